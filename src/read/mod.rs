@@ -1,0 +1,5 @@
+//! Readers of text, all written with nom: every error says path, line, column and what was expected.
+
+pub mod conll;
+pub mod grammar;
+pub mod template;
