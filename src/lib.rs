@@ -3,8 +3,15 @@
 pub mod corpus;
 pub mod error;
 pub mod grammar;
+pub mod learner;
+pub mod policy;
 pub mod read;
+pub mod roll;
 pub mod seed;
+pub mod space;
+pub mod tasks;
+pub mod trainer;
+pub mod worker;
 
 pub use error::{Error, Place, Result};
 pub use seed::{Purpose, Seed};

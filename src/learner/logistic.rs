@@ -1,0 +1,64 @@
+//! Multinomial logistic regression.
+
+use super::linear::{Descent, Lesson, Rule};
+use super::reduce;
+use crate::policy::Columns;
+use serde::{Deserialize, Serialize};
+
+/// Multinomial logistic regression over the legal actions, by AdaGrad with an L2 penalty and averaged weights: a 0-1 learner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Logistic {
+    /// Passes over the examples.
+    pub passes: usize,
+    /// AdaGrad's rate.
+    pub rate: f32,
+    /// The weight of half the squared norm, per example.
+    pub l2: f32,
+}
+
+impl Default for Logistic {
+    fn default() -> Self {
+        Logistic { passes: 5, rate: 0.2, l2: 0.0 }
+    }
+}
+
+/// Below this probability of a mistake an example changes nothing: its gradient would not be seen in the weights.
+const SURE: f32 = 1e-4;
+
+impl Rule for Logistic {
+    fn columns(&self) -> Columns {
+        Columns::Actions
+    }
+
+    fn descent(&self) -> Descent {
+        Descent::Adaptive { rate: self.rate, l2: self.l2 }
+    }
+
+    fn passes(&self) -> usize {
+        self.passes
+    }
+
+    #[inline]
+    fn gradient(&self, example: Lesson<'_>, scores: &[f32], gradient: &mut [f32]) -> bool {
+        let (label, importance) = reduce::as_label(example.target, example.legal);
+        if importance == 0.0 {
+            return false;
+        }
+        let high = scores[example.legal.best(scores).index()];
+        let mut total = 0.0;
+        for action in example.legal.iter() {
+            let share = (scores[action.index()] - high).exp();
+            gradient[action.index()] = share;
+            total += share;
+        }
+        if 1.0 - gradient[label.index()] / total < SURE {
+            return false;
+        }
+        for action in example.legal.iter() {
+            gradient[action.index()] *= importance / total;
+        }
+        gradient[label.index()] -= importance;
+        true
+    }
+}

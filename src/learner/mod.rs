@@ -1,0 +1,89 @@
+//! Learners: from examples to classifiers.
+//!
+//! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`]) learn labels, cost-sensitive ones ([`Csoaa`], [`Wap`]) costs. The two
+//! reductions of [`reduce`] let each learn from the other's examples, so every trainer runs with every learner.
+//!
+//! # Writing one
+//! A learner that is a loss on linear scores is a [`Rule`]: one file with the loss's gradient, and the rest (passes, warm starts,
+//! averaging, learning while acting) comes with it. Anything else implements [`Learner`] itself.
+
+mod csoaa;
+mod examples;
+mod linear;
+mod logistic;
+mod perceptron;
+pub mod reduce;
+mod wap;
+
+pub use csoaa::Csoaa;
+pub use examples::{Examples, Target};
+pub use linear::{Course, Descent, Lesson, Rule};
+pub use logistic::Logistic;
+pub use perceptron::Perceptron;
+pub use wap::Wap;
+
+use crate::policy::Classifier;
+use crate::seed::Seed;
+use crate::space::{Problem, SharedOf, Space, View, ViewOf};
+
+/// What a learner must know of a space.
+pub struct Setting<'a, V: View> {
+    /// What all views share.
+    pub shared: &'a V::Shared,
+    /// How many actions there are.
+    pub actions: usize,
+}
+
+impl<V: View> Clone for Setting<'_, V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V: View> Copy for Setting<'_, V> {}
+
+impl<'a, V: View> Setting<'a, V> {
+    /// The setting of `problem`.
+    pub fn of<P: Problem>(problem: &'a P) -> Setting<'a, ViewOf<P>>
+    where
+        ViewOf<P>: View<Shared = SharedOf<P>>,
+    {
+        Setting { shared: problem.space().shared(), actions: problem.space().actions() }
+    }
+}
+
+/// Turns examples into a classifier.
+pub trait Learner<V: View>: Sync {
+    /// What it turns them into.
+    type Classifier: Classifier<V>;
+
+    /// Learns from `examples`, starting from `warm` where it is given. Same seed, same bits.
+    fn fit(
+        &self,
+        setting: Setting<'_, V>,
+        examples: &Examples<V>,
+        warm: Option<&Self::Classifier>,
+        seed: Seed,
+    ) -> Self::Classifier;
+}
+
+/// A learner that learns example by example and can act in between.
+pub trait Online<V: View>: Learner<V> {
+    /// Learning in progress; acts with what is known so far.
+    type Course: Classifier<V>;
+
+    /// Begins, from `warm` where it is given.
+    fn begin(&self, setting: Setting<'_, V>, warm: Option<&Self::Classifier>) -> Self::Course;
+
+    /// Learns from these examples once, in the order given by their numbers.
+    fn study(
+        &self,
+        course: &mut Self::Course,
+        setting: Setting<'_, V>,
+        examples: &Examples<V>,
+        order: impl Iterator<Item = usize>,
+    );
+
+    /// What has been learned.
+    fn finish(&self, course: Self::Course) -> Self::Classifier;
+}

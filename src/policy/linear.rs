@@ -1,0 +1,275 @@
+//! Linear classifiers over sparse binary features.
+
+use super::Classifier;
+use crate::space::{Action, Actions, Features, NO_ROW};
+use crate::worker::Sight;
+use serde::{Deserialize, Serialize};
+
+/// What the columns of a linear classifier stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Columns {
+    /// One per action: its score.
+    Actions,
+    /// One per pair of actions i < j, (0,1), (0,2), ..., (1,2), ...: positive where i is better. An action's score is how many of the
+    /// legal others it beats.
+    Pairs,
+}
+
+impl Columns {
+    /// How many columns `actions` actions need.
+    pub fn count(self, actions: usize) -> usize {
+        match self {
+            Columns::Actions => actions,
+            Columns::Pairs => actions * actions.saturating_sub(1) / 2,
+        }
+    }
+
+    /// The column of the pair i < j.
+    #[inline]
+    pub fn pair(actions: usize, i: usize, j: usize) -> usize {
+        i * actions - i * (i + 1) / 2 + (j - i - 1)
+    }
+}
+
+/// Rows of weights, one for each feature that has any, each contiguous over the columns and padded to eight.
+///
+/// A row may have several planes of the same width: what scores first, then whatever a learner keeps beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weights {
+    columns: usize,
+    stride: usize,
+    planes: usize,
+    /// The row of a feature; 0 when it has none.
+    index: Vec<u32>,
+    /// Row r, plane p, column c at (r * planes + p) * stride + c. Row 0 is all zero.
+    rows: Vec<f32>,
+}
+
+impl Weights {
+    /// No weights, for `features` features.
+    pub fn new(features: usize, columns: usize, planes: usize) -> Self {
+        let stride = columns.next_multiple_of(8).max(8);
+        Weights { columns, stride, planes, index: vec![0; features], rows: vec![0.0; planes * stride] }
+    }
+
+    /// How many columns a row has, padding left out.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The length of one plane of a row, padding included: a multiple of eight.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// How many features there are, with weights or without.
+    pub fn features(&self) -> usize {
+        self.index.len()
+    }
+
+    /// How many features have weights.
+    pub fn len(&self) -> usize {
+        self.rows.len() / (self.planes * self.stride) - 1
+    }
+
+    /// Whether no feature has weights.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The weights of `feature`, all planes and their padding, if it has any.
+    #[inline]
+    pub fn row(&self, feature: u32) -> Option<&[f32]> {
+        match self.index[feature as usize] {
+            0 => None,
+            row => {
+                let width = self.planes * self.stride;
+                Some(&self.rows[row as usize * width..(row as usize + 1) * width])
+            }
+        }
+    }
+
+    /// The weights of `feature`, all planes and their padding; zeros are made for it when it has none.
+    #[inline]
+    pub fn row_mut(&mut self, feature: u32) -> &mut [f32] {
+        let width = self.planes * self.stride;
+        let slot = &mut self.index[feature as usize];
+        if *slot == 0 {
+            *slot = (self.rows.len() / width) as u32;
+            self.rows.resize(self.rows.len() + width, 0.0);
+        }
+        let start = *slot as usize * width;
+        &mut self.rows[start..start + width]
+    }
+
+    /// Adds the first planes of these features' rows to `scores`, in the order given.
+    #[inline]
+    pub fn add_to(&self, features: &[u32], scores: &mut [f32]) {
+        match self.stride {
+            8 => self.add_fixed::<8>(features, scores),
+            16 => self.add_fixed::<16>(features, scores),
+            24 => self.add_fixed::<24>(features, scores),
+            32 => self.add_fixed::<32>(features, scores),
+            _ => {
+                for &feature in features {
+                    if let Some(row) = self.row(feature) {
+                        scores.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same with the sums held in registers.
+    #[inline]
+    fn add_fixed<const N: usize>(&self, features: &[u32], scores: &mut [f32]) {
+        let Some(scores) = scores.first_chunk_mut::<N>() else { return };
+        let mut sums = *scores;
+        let width = self.planes * N;
+        for &feature in features {
+            let row = self.index[feature as usize] as usize;
+            if row != 0
+                && let Some(row) = self.rows[row * width..].first_chunk::<N>()
+            {
+                for c in 0..N {
+                    sums[c] += row[c];
+                }
+            }
+        }
+        *scores = sums;
+    }
+
+    /// Weights of one plane made from these: `fold` gets all planes of a row and writes the new one. Rows that come out
+    /// all zero are left out.
+    pub fn fold(&self, mut fold: impl FnMut(&[f32], &mut [f32])) -> Weights {
+        let mut kept = Weights::new(self.features(), self.columns, 1);
+        let mut plane = vec![0.0; self.stride];
+        let mut order: Vec<(u32, u32)> =
+            self.index.iter().enumerate().filter(|(_, row)| **row != 0).map(|(f, row)| (*row, f as u32)).collect();
+        order.sort_unstable();
+        for (_, feature) in order {
+            plane.fill(0.0);
+            fold(self.row(feature).unwrap_or(&[]), &mut plane);
+            if plane.iter().any(|w| *w != 0.0) {
+                kept.row_mut(feature).copy_from_slice(&plane);
+            }
+        }
+        kept
+    }
+}
+
+/// A linear classifier: an action's score is a sum of weights over the features at hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linear {
+    /// How many actions there are.
+    pub actions: usize,
+    /// What the columns of the weights are.
+    pub columns: Columns,
+    /// The weights; one plane.
+    pub weights: Weights,
+}
+
+impl Linear {
+    /// The classifier whose weights are the weighted mean of these: its scores are the mean of theirs, at the cost of one. `None` when
+    /// there is none, or their scores are counts of pairs, which such a mean does not give.
+    pub fn mean(members: &[(f64, Linear)]) -> Option<Linear> {
+        let first = &members.first()?.1;
+        if members.iter().any(|(_, m)| m.columns != Columns::Actions) {
+            return None;
+        }
+        let mut weights = Weights::new(first.weights.features(), first.weights.columns, 1);
+        for (share, member) in members {
+            for feature in 0..member.weights.features() as u32 {
+                if let Some(row) = member.weights.row(feature) {
+                    weights.row_mut(feature).iter_mut().zip(row).for_each(|(sum, w)| *sum += *share as f32 * w);
+                }
+            }
+        }
+        Some(Linear { actions: first.actions, columns: Columns::Actions, weights })
+    }
+}
+
+/// How many static rows' scores a thread remembers: longer sentences only cost time.
+const SLOTS: usize = 256;
+
+/// A thread's scratch for a linear classifier: the scores of static parts seen before, and sums.
+#[derive(Default)]
+pub struct LinearMemory {
+    rows: Vec<u32>,
+    scores: Vec<f32>,
+    sums: Vec<f32>,
+    votes: Vec<f32>,
+}
+
+impl LinearMemory {
+    /// The sums over the static part and the dynamic part of `view`, the static part's from memory where it is there.
+    #[inline]
+    pub(crate) fn sum<'m>(&'m mut self, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
+        let stride = weights.stride();
+        if self.sums.len() != stride {
+            *self = LinearMemory {
+                rows: vec![NO_ROW; SLOTS],
+                scores: vec![0.0; SLOTS * stride],
+                sums: vec![0.0; stride],
+                votes: Vec::new(),
+            };
+        }
+        let row = sight.view.row;
+        if row == NO_ROW {
+            self.sums.fill(0.0);
+        } else {
+            let slot = row as usize % SLOTS;
+            let stored = &mut self.scores[slot * stride..(slot + 1) * stride];
+            if self.rows[slot] != row {
+                stored.fill(0.0);
+                weights.add_to(sight.shared.row(row), stored);
+                self.rows[slot] = row;
+            }
+            self.sums.copy_from_slice(stored);
+        }
+        weights.add_to(&sight.view.dynamic, &mut self.sums);
+        &self.sums
+    }
+}
+
+/// How many legal others each action beats, from the columns of all pairs.
+pub(crate) fn votes(actions: usize, columns: &[f32], legal: Actions<'_>, votes: &mut Vec<f32>) {
+    votes.clear();
+    votes.resize(actions, 0.0);
+    for (place, Action(i)) in legal.iter().enumerate() {
+        for Action(j) in legal.iter().skip(place + 1) {
+            let better = if columns[Columns::pair(actions, i as usize, j as usize)] >= 0.0 { i } else { j };
+            votes[better as usize] += 1.0;
+        }
+    }
+}
+
+/// The scores that `weights`, whose columns are `columns`, give to the actions at `sight`.
+#[inline]
+pub(crate) fn read_scores<'m>(
+    actions: usize,
+    columns: Columns,
+    weights: &Weights,
+    sight: &Sight<'_, Features>,
+    memory: &'m mut LinearMemory,
+) -> &'m [f32] {
+    match columns {
+        Columns::Actions => &memory.sum(weights, sight)[..actions],
+        Columns::Pairs => {
+            let mut counts = std::mem::take(&mut memory.votes);
+            votes(actions, memory.sum(weights, sight), sight.legal, &mut counts);
+            memory.votes = counts;
+            &memory.votes
+        }
+    }
+}
+
+impl Classifier<Features> for Linear {
+    type Memory = LinearMemory;
+
+    #[inline]
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        read_scores(self.actions, self.columns, &self.weights, sight, memory)
+    }
+}

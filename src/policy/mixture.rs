@@ -1,0 +1,193 @@
+//! Stochastic mixtures of classifiers and the expert.
+
+use super::{Classifier, Policy};
+use crate::error::{Error, Result};
+use crate::seed::Purpose;
+use crate::space::{Action, Problem, ViewOf};
+use crate::worker::Visit;
+use serde::{Deserialize, Serialize};
+
+/// How a mixture is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reading {
+    /// One member is drawn at each step, with probability its weight: the policy that the paper analyses.
+    #[default]
+    Sampled,
+    /// The action with the largest total weight of the members that choose it; the lowest of equals.
+    Vote,
+    /// The action with the highest mean score, weighted; the lowest of equals.
+    Mean,
+}
+
+/// A member of a mixture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Member {
+    /// The expert.
+    Expert,
+    /// The classifier with this number, from 0.
+    Classifier(usize),
+}
+
+/// A stochastic mixture: at every step the expert acts with probability [`Mixture::expert`], classifier i with its weight. Weights
+/// are not negative and sum to 1.
+#[derive(Clone, Debug)]
+pub struct Mixture<C> {
+    expert: f64,
+    members: Vec<(f64, C)>,
+    reading: Reading,
+}
+
+impl<C> Mixture<C> {
+    /// The mixture that is all expert: pi^0.
+    pub fn of_expert() -> Self {
+        Mixture { expert: 1.0, members: Vec::new(), reading: Reading::Sampled }
+    }
+
+    /// One classifier and nothing else.
+    pub fn of_one(classifier: C) -> Self {
+        Mixture { expert: 0.0, members: vec![(1.0, classifier)], reading: Reading::Sampled }
+    }
+
+    /// A mixture without expert of these weights and classifiers, read as `reading`. The weights are taken as they are.
+    ///
+    /// # Errors
+    /// When there is no member, a weight is negative or not a number, or they do not sum to 1 within 1e-9.
+    pub fn of(members: Vec<(f64, C)>, reading: Reading) -> Result<Self> {
+        let sum: f64 = members.iter().map(|(weight, _)| weight).sum();
+        if members.is_empty() || members.iter().any(|(weight, _)| weight.is_nan() || *weight < 0.0) {
+            return Err(Error::argument("weights", members.len(), "at least one, none of them negative"));
+        }
+        if (sum - 1.0).abs() > 1e-9 {
+            return Err(Error::argument("weights", format!("{sum} in sum"), "1 in sum"));
+        }
+        Ok(Mixture { expert: 0.0, members, reading })
+    }
+
+    /// The expert's weight: p_n.
+    pub fn expert(&self) -> f64 {
+        self.expert
+    }
+
+    /// The classifiers and their weights, the oldest first.
+    pub fn members(&self) -> &[(f64, C)] {
+        &self.members
+    }
+
+    /// How the mixture is read.
+    pub fn reading(&self) -> Reading {
+        self.reading
+    }
+
+    /// The same mixture, read as `reading`.
+    pub fn read_as(mut self, reading: Reading) -> Self {
+        self.reading = reading;
+        self
+    }
+
+    /// SMILe's update: `classifier` takes the share `alpha` of what is still the *expert's*; all others keep their weights. After n
+    /// calls classifier i has alpha (1-alpha)^(i-1) and the expert (1-alpha)^n (Algorithm 4.1).
+    pub fn replace_expert(&mut self, alpha: f64, classifier: C) {
+        self.members.push((alpha * self.expert, classifier));
+        self.expert *= 1.0 - alpha;
+    }
+
+    /// SEARN's and CPI's update: `classifier` takes the share `beta` of *everything*. After n calls classifier i has
+    /// beta (1-beta)^(n-i) and the expert (1-beta)^n.
+    pub fn blend(&mut self, beta: f64, classifier: C) {
+        self.expert *= 1.0 - beta;
+        for (weight, _) in &mut self.members {
+            *weight *= 1.0 - beta;
+        }
+        self.members.push((beta, classifier));
+    }
+
+    /// The mixture without the expert, renormalised: pi-tilde^n. All expert stays all expert, having nobody else.
+    pub fn without_expert(mut self) -> Self {
+        let rest: f64 = self.members.iter().map(|(weight, _)| weight).sum();
+        if rest > 0.0 {
+            self.expert = 0.0;
+            for (weight, _) in &mut self.members {
+                *weight /= rest;
+            }
+        }
+        self
+    }
+
+    /// The member that `unit`, a number in [0, 1), falls to: the expert first, then the classifiers, each as long as its weight.
+    pub fn draw(&self, unit: f64) -> Member {
+        let mut below = self.expert;
+        if unit < below {
+            return Member::Expert;
+        }
+        let mut last = None;
+        for (i, (weight, _)) in self.members.iter().enumerate() {
+            if *weight > 0.0 {
+                below += weight;
+                last = Some(i);
+                if unit < below {
+                    break;
+                }
+            }
+        }
+        last.map_or(Member::Expert, Member::Classifier)
+    }
+
+    /// The same mixture with every classifier replaced by what `change` makes of it.
+    pub fn map<D>(self, mut change: impl FnMut(C) -> D) -> Mixture<D> {
+        let members = self.members.into_iter().map(|(weight, classifier)| (weight, change(classifier))).collect();
+        Mixture { expert: self.expert, members, reading: self.reading }
+    }
+}
+
+/// A thread's scratch for a mixture.
+#[derive(Default)]
+pub struct MixtureMemory<M> {
+    members: Vec<M>,
+    sums: Vec<f32>,
+}
+
+impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
+    type Memory = MixtureMemory<C::Memory>;
+
+    fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
+        memory.members.resize_with(self.members.len(), Default::default);
+        match self.reading {
+            Reading::Sampled => {
+                let unit = if self.members.len() == 1 && self.expert == 0.0 {
+                    0.0
+                } else {
+                    visit.seed().child(Purpose::Member, 0).unit()
+                };
+                match self.draw(unit) {
+                    Member::Expert => visit.expert(),
+                    Member::Classifier(i) => self.members[i].1.choose(&visit.sight(), &mut memory.members[i]),
+                }
+            }
+            Reading::Vote => {
+                let sight = visit.sight();
+                memory.sums.clear();
+                for ((weight, classifier), scratch) in self.members.iter().zip(&mut memory.members) {
+                    let choice = classifier.choose(&sight, scratch).index();
+                    memory.sums.resize(memory.sums.len().max(choice + 1), 0.0);
+                    memory.sums[choice] += *weight as f32;
+                }
+                let most = sight.legal.iter().last().map_or(0, |action| action.index() + 1);
+                memory.sums.resize(memory.sums.len().max(most), 0.0);
+                sight.legal.best(&memory.sums)
+            }
+            Reading::Mean => {
+                let sight = visit.sight();
+                memory.sums.clear();
+                for ((weight, classifier), scratch) in self.members.iter().zip(&mut memory.members) {
+                    let scores = classifier.scores(&sight, scratch);
+                    memory.sums.resize(scores.len(), 0.0);
+                    for (sum, score) in memory.sums.iter_mut().zip(scores) {
+                        *sum += *weight as f32 * score;
+                    }
+                }
+                sight.legal.best(&memory.sums)
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Those who act: the expert, a [`Classifier`] on its own ([`Greedy`]), a stochastic [`Mixture`] of classifiers and expert, a
+//! [`Ladder`] with one classifier per step.
+
+mod ladder;
+mod linear;
+mod mixture;
+
+pub use ladder::Ladder;
+pub(crate) use linear::read_scores;
+pub use linear::{Columns, Linear, LinearMemory, Weights};
+pub use mixture::{Member, Mixture, MixtureMemory, Reading};
+
+use crate::space::{Action, Problem, View, ViewOf};
+use crate::worker::{Sight, Visit};
+
+/// Something that acts in a problem's space.
+pub trait Policy<P: Problem>: Sync {
+    /// Scratch that a thread keeps between steps, such as scores computed before. It must not change what the policy does, and belongs
+    /// to this policy alone.
+    type Memory: Default + Send;
+
+    /// The action taken at `visit`. Whatever is random about it is keyed by the visit's seed.
+    fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action;
+}
+
+/// A trained function from views to actions.
+pub trait Classifier<V: View>: Send + Sync {
+    /// Scratch that a thread keeps between calls; it belongs to this classifier alone.
+    type Memory: Default + Send;
+
+    /// One score per action of the space, higher is better; those of illegal actions mean nothing.
+    fn scores<'m>(&self, sight: &Sight<'_, V>, memory: &'m mut Self::Memory) -> &'m [f32];
+
+    /// The legal action with the highest score, the lowest of equals.
+    fn choose(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Action {
+        sight.legal.best(self.scores(sight, memory))
+    }
+}
+
+impl<V: View, C: Classifier<V>> Classifier<V> for &C {
+    type Memory = C::Memory;
+    fn scores<'m>(&self, sight: &Sight<'_, V>, memory: &'m mut Self::Memory) -> &'m [f32] {
+        (**self).scores(sight, memory)
+    }
+}
+
+/// The policy that always does as the expert does.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Follow;
+
+impl<P: Problem> Policy<P> for Follow {
+    type Memory = ();
+    fn act(&self, visit: &mut Visit<'_, P>, (): &mut ()) -> Action {
+        visit.expert()
+    }
+}
+
+/// A classifier that acts on its own.
+#[derive(Clone, Debug)]
+pub struct Greedy<C>(pub C);
+
+impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Greedy<C> {
+    type Memory = C::Memory;
+    fn act(&self, visit: &mut Visit<'_, P>, memory: &mut C::Memory) -> Action {
+        self.0.choose(&visit.sight(), memory)
+    }
+}

@@ -1,0 +1,131 @@
+//! Roll-in, deviation, roll-out: where training examples come from.
+
+use crate::learner::{Examples, Target};
+use crate::policy::Policy;
+use crate::seed::{Purpose, Seed};
+use crate::space::{CostToGo, Gather, Problem, StateOf, ViewOf};
+use crate::worker::{Ledger, Visit, sweep};
+
+/// What a round of roll-ins brought.
+pub struct Round<P: Problem> {
+    /// The examples, in the order of the episodes.
+    pub examples: Examples<ViewOf<P>>,
+    /// The total cost of the roll-ins.
+    pub cost: f64,
+}
+
+impl<P: Problem> Default for Round<P> {
+    fn default() -> Self {
+        Round { examples: Examples::default(), cost: 0.0 }
+    }
+}
+
+impl<P: Problem> Gather for Round<P> {
+    fn absorb(&mut self, later: Self) {
+        self.examples.absorb(later.examples);
+        self.cost += later.cost;
+    }
+}
+
+/// Rolls in with `policy` and labels every state it visits with what the expert would do there: D = {(s, pi*(s))}.
+pub fn labels<P: Problem, D: Policy<P>>(problem: &P, policy: &D, episodes: &[usize], seed: Seed) -> (Round<P>, Ledger) {
+    sweep(problem, episodes, seed, |worker, memory: &mut D::Memory, episode, round: &mut Round<P>| {
+        let examples = &mut round.examples;
+        let cost = worker.roll_in(policy, memory, episode, |visit| {
+            if let Some(label) = visit.label() {
+                visit.record(examples, Target::Label(label));
+            }
+        });
+        round.cost += cost;
+    })
+}
+
+/// Rolls in with `policy` as far as step `t` and labels the state there; episodes that end before bring nothing.
+pub fn labels_at<P: Problem, D: Policy<P>>(
+    problem: &P,
+    policy: &D,
+    t: usize,
+    episodes: &[usize],
+    seed: Seed,
+) -> (Examples<ViewOf<P>>, Ledger) {
+    sweep(problem, episodes, seed, |worker, memory: &mut D::Memory, episode, examples: &mut Examples<_>| {
+        worker.episode(episode, |visit| {
+            if visit.t() < t {
+                return Some(policy.act(visit, memory));
+            }
+            if let Some(label) = visit.label() {
+                visit.record(examples, Target::Label(label));
+            }
+            None
+        });
+    })
+}
+
+/// How the cost of each action in a state is found.
+pub trait Costing<P: Problem, D: Policy<P>>: Sync {
+    /// Writes the cost from here to the end after each legal action at `visit`, in order.
+    fn costs(&self, visit: &mut Visit<'_, P>, policy: &D, memory: &mut D::Memory, run: Seed, costs: &mut Vec<f64>);
+}
+
+/// Every action is tried and rolled out to the end with the current policy, `samples` times; the mean cost counts. The roll-outs
+/// of one number share their randomness over the actions and over the states of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RollOut {
+    /// Roll-outs per action: k.
+    pub samples: usize,
+}
+
+impl<P: Problem, D: Policy<P>> Costing<P, D> for RollOut
+where
+    StateOf<P>: Clone,
+{
+    fn costs(&self, visit: &mut Visit<'_, P>, policy: &D, memory: &mut D::Memory, run: Seed, costs: &mut Vec<f64>) {
+        costs.clear();
+        let legal = visit.legal();
+        costs.extend(legal.iter().map(|action| {
+            let total: f64 = (0..self.samples as u64)
+                .map(|k| visit.roll_out(action, policy, memory, run.child(Purpose::RollOut, k)))
+                .sum();
+            total / self.samples as f64
+        }));
+    }
+}
+
+/// The optimal-expert shortcut: the expert's own cost-to-go stands in for the current policy's, and nothing is rolled out. Exact
+/// while the policy is the expert, an approximation after.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shortcut;
+
+impl<P: Problem, D: Policy<P>> Costing<P, D> for Shortcut
+where
+    P::Expert: CostToGo<P::Space>,
+{
+    fn costs(&self, visit: &mut Visit<'_, P>, _: &D, _: &mut D::Memory, _: Seed, costs: &mut Vec<f64>) {
+        visit.costs_to_go(costs);
+    }
+}
+
+/// Rolls in with `policy` and finds at every state what each legal action would cost.
+pub fn costs<P: Problem, D: Policy<P>>(
+    problem: &P,
+    policy: &D,
+    costing: &impl Costing<P, D>,
+    episodes: &[usize],
+    seed: Seed,
+) -> (Round<P>, Ledger) {
+    type Scratch<M> = (M, Vec<f64>, Vec<f32>);
+    sweep(problem, episodes, seed, |worker, scratch: &mut Scratch<D::Memory>, episode, round: &mut Round<P>| {
+        let (memory, costs, shifted) = scratch;
+        let examples = &mut round.examples;
+        let cost = worker.episode(episode, |visit| {
+            costing.costs(visit, policy, memory, episode.seed, costs);
+            // Only differences between actions matter: the cheapest counts 0, so that long episodes lose no precision.
+            let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+            shifted.clear();
+            shifted.extend(costs.iter().map(|cost| (cost - least) as f32));
+            visit.record(examples, Target::Costs(shifted));
+            Some(policy.act(visit, memory))
+        });
+        round.cost += cost;
+    })
+}

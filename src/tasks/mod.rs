@@ -1,0 +1,3 @@
+//! The tasks: spaces with their experts and losses.
+
+pub mod tagging;

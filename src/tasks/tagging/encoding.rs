@@ -1,0 +1,292 @@
+//! From the words of a corpus to the numbers of a [`Tagging`] space, and the dictionaries that make the same numbers of another corpus.
+
+use super::space::{HistoryLine, MAX_ORDER, NO_CONTEXT, Tagging};
+use super::transitions::{Order, Transitions};
+use crate::corpus::Corpus;
+use crate::error::{Error, Result};
+use crate::read::template::Template;
+use crate::space::FeatureTable;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::sync::Arc;
+
+/// Labels are counted in 16 bits, one of which stands for the begin mark.
+pub const MOST_LABELS: usize = u16::MAX as usize - 1;
+
+/// Numbers of 64-bit hashes, in the order of their first occurrence.
+#[derive(Clone, Debug, Default)]
+pub struct Dictionary {
+    numbers: HashMap<u64, u32, BuildHasherDefault<AsItIs>>,
+}
+
+/// The hash of a hash is itself.
+#[derive(Clone, Copy, Default)]
+struct AsItIs(u64);
+
+impl Hasher for AsItIs {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = self.0.rotate_left(8) ^ u64::from(*byte);
+        }
+    }
+    fn write_u64(&mut self, n: u64) {
+        self.0 = n;
+    }
+}
+
+impl Dictionary {
+    /// The dictionary of these keys, numbered as they stand; `None` when one stands twice.
+    pub fn of(keys: impl ExactSizeIterator<Item = u64>) -> Option<Self> {
+        let count = keys.len();
+        let mut dictionary = Dictionary::default();
+        dictionary.numbers.reserve(count);
+        dictionary.numbers.extend(keys.zip(0..));
+        (dictionary.len() == count).then_some(dictionary)
+    }
+
+    /// How many keys there are.
+    pub fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.numbers.is_empty()
+    }
+
+    /// The number of `key`, if it has one.
+    #[inline]
+    pub fn find(&self, key: u64) -> Option<u32> {
+        self.numbers.get(&key).copied()
+    }
+
+    /// The number of `key`, the next one if it is new.
+    #[inline]
+    pub fn intern(&mut self, key: u64) -> u32 {
+        let next = self.numbers.len() as u32;
+        *self.numbers.entry(key).or_insert(next)
+    }
+
+    /// The keys in the order of their numbers.
+    pub fn keys(&self) -> Vec<u64> {
+        let mut keys = vec![0; self.len()];
+        for (key, number) in &self.numbers {
+            keys[*number as usize] = *key;
+        }
+        keys
+    }
+}
+
+/// What turns the words of a corpus into features: a template, the labels, and the dictionaries of what was seen in training.
+#[derive(Clone, Debug)]
+pub struct Encoding {
+    /// The feature template.
+    pub template: Template,
+    /// The labels' names, sorted; a label's number is its place.
+    pub labels: Vec<String>,
+    /// The column the labels stood in.
+    pub label_column: usize,
+    /// Which label may follow which.
+    pub transitions: Arc<Transitions>,
+    /// Static features by their hashes; numbered first.
+    pub(super) features: Dictionary,
+    /// For each history line, what its labels were seen with.
+    pub(super) contexts: Vec<Dictionary>,
+    /// The numbers of the dynamic features; they come after the static ones.
+    pub(super) history: Arc<[HistoryLine]>,
+}
+
+/// What to learn from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabelColumn {
+    /// The last column.
+    Last,
+    /// This one, from 0.
+    At(usize),
+}
+
+impl LabelColumn {
+    /// The column in a corpus of `columns` columns.
+    ///
+    /// # Errors
+    /// When there is no such column, or no other beside it.
+    pub fn in_corpus(self, corpus: &Corpus) -> Result<usize> {
+        let columns = corpus.columns.len();
+        let at = match self {
+            LabelColumn::Last => columns.saturating_sub(1),
+            LabelColumn::At(at) => at,
+        };
+        if columns < 2 {
+            let problem = format!("{columns} column");
+            return Err(Error::data(corpus.place(0, 0), problem, "words and a column of labels beside them"));
+        }
+        if at >= columns {
+            let problem = format!("{columns} columns, numbered from 0");
+            return Err(Error::data(corpus.place(0, columns - 1), problem, format!("a label column {at}")));
+        }
+        Ok(at)
+    }
+}
+
+impl Encoding {
+    /// Learns the labels and features of `corpus`, and gives it in numbers.
+    ///
+    /// With no `order` given, labels that look like IOB2 and follow its rule everywhere are held to it.
+    ///
+    /// # Errors
+    /// When a column is missing that the labels or the template need, there are too many labels, the template looks further back than
+    /// 8 labels, or the labels break the `order` that is asked for.
+    pub fn learn(
+        corpus: &Corpus,
+        labels: LabelColumn,
+        template: Template,
+        order: Option<Order>,
+    ) -> Result<(Encoding, Tagging)> {
+        let label_column = labels.in_corpus(corpus)?;
+        let column = &corpus.columns[label_column];
+        let mut names: Vec<String> = column.values.iter().map(String::from).collect();
+        names.sort_unstable();
+        if names.len() > MOST_LABELS {
+            return Err(Error::argument("labels", names.len(), format!("at most {MOST_LABELS}")));
+        }
+        if let Some(far) = template.history().iter().flat_map(|line| &line.labels).find(|k| **k as usize > MAX_ORDER) {
+            return Err(Error::argument("%y", format!("-{far}"), format!("at most {MAX_ORDER} labels back")));
+        }
+        let numbers: Vec<u32> =
+            column.values.iter().map(|name| names.partition_point(|other| other.as_str() < name) as u32).collect();
+        let gold: Vec<u32> = column.cells.iter().map(|cell| numbers[*cell as usize]).collect();
+
+        let wanted = order.unwrap_or_else(|| Transitions::suggest(&names));
+        let mut transitions = Transitions::new(wanted, &names);
+        if let Some(token) = first_illegal(&transitions, corpus, &gold) {
+            if order.is_some() {
+                let place = corpus.place(token, label_column);
+                return Err(Error::data(place, format!("label {}", column.word(token)), "a label that may stand there"));
+            }
+            transitions = Transitions::new(Order::Free, &names);
+        }
+
+        let mut encoding = Encoding {
+            contexts: vec![Dictionary::default(); template.history().len()],
+            template,
+            labels: names,
+            label_column,
+            transitions: Arc::new(transitions),
+            features: Dictionary::default(),
+            history: [].into(),
+        };
+        let Encoding { features, contexts, template, .. } = &mut encoding;
+        let mut rows = Rows::of(corpus);
+        read(
+            template,
+            corpus,
+            &mut rows,
+            |hash| Some(features.intern(hash)),
+            |line, hash| contexts[line].intern(hash),
+        )?;
+        encoding.number_history()?;
+        let space = encoding.space(corpus, rows, gold);
+        Ok((encoding, space))
+    }
+
+    /// Another corpus in the same numbers, as something to be tagged: features never seen in training are left out, and no right
+    /// labels are known.
+    ///
+    /// # Errors
+    /// When a column is missing that the template needs.
+    pub fn apply(&self, corpus: &Corpus) -> Result<Tagging> {
+        let mut rows = Rows::of(corpus);
+        let context = |line: usize, hash| self.contexts[line].find(hash).unwrap_or(NO_CONTEXT);
+        read(&self.template, corpus, &mut rows, |hash| self.features.find(hash), context)?;
+        Ok(self.space(corpus, rows, Vec::new()))
+    }
+
+    /// How many features there are, static and dynamic.
+    pub fn features(&self) -> usize {
+        self.history.last().map_or(self.features.len(), |line| line.base as usize + line.size as usize)
+    }
+
+    /// Numbers the dynamic features after the static ones.
+    pub(super) fn number_history(&mut self) -> Result<()> {
+        let mut base = self.features.len();
+        let mut history = Vec::new();
+        for (line, contexts) in self.template.history().iter().zip(&self.contexts) {
+            let numbered = HistoryLine::new(&line.labels, contexts.len(), self.labels.len(), base as u32);
+            base += numbered.size as usize;
+            if base > u32::MAX as usize {
+                return Err(Error::argument("features", base, format!("at most {}", u32::MAX)));
+            }
+            history.push(numbered);
+        }
+        self.history = history.into();
+        Ok(())
+    }
+
+    fn space(&self, corpus: &Corpus, rows: Rows, gold: Vec<u32>) -> Tagging {
+        Tagging {
+            table: FeatureTable::from_rows(self.features(), rows.starts, rows.ids),
+            starts: corpus.starts.clone(),
+            gold,
+            transitions: self.transitions.clone(),
+            labels: self.labels.len(),
+            history: self.history.clone(),
+            contexts: rows.contexts,
+        }
+    }
+}
+
+/// The static features and the contexts of every token.
+struct Rows {
+    starts: Vec<usize>,
+    ids: Vec<u32>,
+    contexts: Vec<u32>,
+}
+
+impl Rows {
+    fn of(corpus: &Corpus) -> Self {
+        let mut starts = Vec::with_capacity(corpus.tokens() + 1);
+        starts.push(0);
+        Rows { starts, ids: Vec::new(), contexts: Vec::new() }
+    }
+}
+
+/// Fills `rows` from `corpus`: each hash that the template makes is looked up by `feature` or, for a history line, `context`.
+fn read(
+    template: &Template,
+    corpus: &Corpus,
+    rows: &mut Rows,
+    mut feature: impl FnMut(u64) -> Option<u32>,
+    mut context: impl FnMut(usize, u64) -> u32,
+) -> Result<()> {
+    let bound = template.bind(corpus)?;
+    let mut hashes = Vec::new();
+    for i in 0..corpus.sentences() {
+        let sentence = corpus.sentence(i);
+        for token in sentence.clone() {
+            hashes.clear();
+            bound.observe(sentence.clone(), token, &mut hashes);
+            rows.ids.extend(hashes.iter().filter_map(|hash| feature(*hash)));
+            rows.starts.push(rows.ids.len());
+            hashes.clear();
+            bound.contexts(sentence.clone(), token, &mut hashes);
+            rows.contexts.extend(hashes.iter().enumerate().map(|(line, hash)| context(line, *hash)));
+        }
+    }
+    Ok(())
+}
+
+/// The first token whose label may not stand where it does.
+fn first_illegal(transitions: &Transitions, corpus: &Corpus, gold: &[u32]) -> Option<usize> {
+    (0..corpus.sentences()).map(|i| corpus.sentence(i)).find_map(|sentence| {
+        let mut previous = transitions.begin();
+        sentence.into_iter().find(|token| {
+            let label = gold[*token];
+            let legal = transitions.after(previous).contains(crate::space::Action(label));
+            previous = label;
+            !legal
+        })
+    })
+}

@@ -1,0 +1,168 @@
+//! A trained tagger.
+
+use super::encoding::{Dictionary, Encoding};
+use super::space::Tagging;
+use crate::corpus::Corpus;
+use crate::error::Result;
+use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading, Weights};
+use crate::seed::{Purpose, Seed};
+use crate::space::{Action, Features, Imitation, Problem, Silent, Space};
+use crate::worker::{Ledger, Visit, perform};
+use serde::{Deserialize, Serialize};
+
+/// The policies that training can end with.
+#[derive(Clone, Debug)]
+pub enum Learned {
+    /// A mixture, or a single classifier.
+    Mixture(Mixture<Linear>),
+    /// One classifier per step.
+    Ladder(Ladder<Linear>),
+}
+
+impl From<Greedy<Linear>> for Learned {
+    fn from(Greedy(classifier): Greedy<Linear>) -> Self {
+        Learned::Mixture(Mixture::of_one(classifier))
+    }
+}
+
+impl From<Mixture<Linear>> for Learned {
+    fn from(mixture: Mixture<Linear>) -> Self {
+        Learned::Mixture(mixture)
+    }
+}
+
+impl From<Ladder<Linear>> for Learned {
+    fn from(ladder: Ladder<Linear>) -> Self {
+        Learned::Ladder(ladder)
+    }
+}
+
+impl Learned {
+    /// Its classifiers.
+    pub fn classifiers(&self) -> Vec<&Linear> {
+        match self {
+            Learned::Mixture(mixture) => mixture.members().iter().map(|(_, classifier)| classifier).collect(),
+            Learned::Ladder(ladder) => ladder.steps().iter().collect(),
+        }
+    }
+
+    /// The same with every classifier replaced by what `change` makes of it.
+    pub fn map(self, mut change: impl FnMut(Linear) -> Linear) -> Self {
+        match self {
+            Learned::Mixture(mixture) => Learned::Mixture(mixture.map(change)),
+            Learned::Ladder(ladder) => {
+                Learned::Ladder(Ladder::of(ladder.steps().iter().cloned().map(&mut change).collect()))
+            }
+        }
+    }
+
+    /// The same read as `reading`, where it is a mixture. A mixture that is read by its mean score becomes the one classifier that
+    /// has the mean weights, where there is one.
+    pub fn read_as(self, reading: Reading) -> Self {
+        match self {
+            Learned::Mixture(mixture) => {
+                if reading == Reading::Mean
+                    && let Some(mean) = Linear::mean(mixture.members())
+                {
+                    return Learned::Mixture(Mixture::of_one(mean));
+                }
+                Learned::Mixture(mixture.read_as(reading))
+            }
+            ladder => ladder,
+        }
+    }
+}
+
+impl<P: Problem> Policy<P> for Learned
+where
+    P::Space: Space<View = Features>,
+{
+    type Memory = (MixtureMemory<<Linear as Classifier<Features>>::Memory>, Vec<<Linear as Classifier<Features>>::Memory>);
+
+    #[inline]
+    fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
+        match self {
+            Learned::Mixture(mixture) => mixture.act(visit, &mut memory.0),
+            Learned::Ladder(ladder) => ladder.act(visit, &mut memory.1),
+        }
+    }
+}
+
+/// How a tagger came to be.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct About {
+    /// The trainer's name and settings.
+    pub trainer: String,
+    /// The learner's name and settings.
+    pub learner: String,
+    /// The number the seed was made from.
+    pub seed: u64,
+    /// What it was trained on: the path as it was given.
+    pub data: String,
+    /// Sentences in it.
+    pub sentences: usize,
+    /// Tokens in it.
+    pub tokens: usize,
+    /// The bill.
+    pub ledger: Ledger,
+}
+
+/// A trained tagger: what turns words into features, and the policy.
+#[derive(Clone, Debug)]
+pub struct Tagger {
+    /// What turns words into features.
+    pub encoding: Encoding,
+    /// The policy.
+    pub policy: Learned,
+    /// How it came to be.
+    pub about: About,
+}
+
+impl Tagger {
+    /// The tagger of `encoding` and `policy`. Static features without weights are forgotten.
+    pub fn new(mut encoding: Encoding, policy: impl Into<Learned>, about: About) -> Result<Self> {
+        let policy = policy.into();
+        let before = encoding.features.len();
+        let used = |feature: &u32| policy.classifiers().iter().any(|c| c.weights.row(*feature).is_some());
+        let kept: Vec<u32> = (0..before as u32).filter(used).collect();
+        let keys = encoding.features.keys();
+        encoding.features =
+            Dictionary::of(kept.iter().map(|old| keys[*old as usize])).unwrap_or_else(|| encoding.features.clone());
+        encoding.number_history()?;
+        let features = encoding.features();
+        // Dynamic features keep their order behind the static ones.
+        let moved: Vec<u32> = kept.into_iter().chain(before as u32..(features + before - encoding.features.len()) as u32).collect();
+        let policy = policy.map(|classifier| {
+            let mut weights = Weights::new(features, classifier.weights.columns(), 1);
+            for (new, old) in moved.iter().enumerate() {
+                if let Some(row) = classifier.weights.row(*old) {
+                    weights.row_mut(new as u32).copy_from_slice(row);
+                }
+            }
+            Linear { weights, ..classifier }
+        });
+        Ok(Tagger { encoding, policy, about })
+    }
+
+    /// The labels of all tokens of `corpus`, as numbers into [`Encoding::labels`]. Only a mixture that is sampled draws from `seed`.
+    ///
+    /// # Errors
+    /// When `corpus` lacks a column that the template needs.
+    pub fn tag(&self, corpus: &Corpus, seed: Seed) -> Result<Vec<u32>> {
+        Ok(self.tag_encoded(self.encoding.apply(corpus)?, seed))
+    }
+
+    /// The labels of all tokens of sentences that are encoded already.
+    pub fn tag_encoded(&self, space: Tagging, seed: Seed) -> Vec<u32> {
+        let episodes = space.sentences();
+        let problem = Imitation { space, expert: Silent, episodes };
+        let (done, _) = perform(&problem, &self.policy, seed.child(Purpose::Evaluation, 0));
+        done.actions.into_iter().map(|action| action.0).collect()
+    }
+
+    /// The columns of the classifiers: what they score.
+    pub fn columns(&self) -> Columns {
+        self.policy.classifiers().first().map_or(Columns::Actions, |c| c.columns)
+    }
+}

@@ -1,0 +1,64 @@
+//! Forward training (Ross & Bagnell 2010, section 3, Algorithm 3.1).
+
+use super::{Book, Run, Trained};
+use crate::error::Result;
+use crate::learner::{Learner, Setting};
+use crate::policy::Ladder;
+use crate::roll;
+use crate::seed::Purpose;
+use crate::space::{Problem, ViewOf};
+use crate::worker::all;
+use serde::{Deserialize, Serialize};
+
+/// Trains one classifier per step, in order, each on the states that those before it reach.
+///
+/// Where episodes differ in length, round i uses those that reach step i, and training ends with the longest; a longer episode
+/// later is finished by the last classifier. A run is stopped once its label is had: the steps after it, which the paper's listing
+/// lets the expert drive, bring nothing. So there are as many labels as steps, and L(L-1)/2 steps for an episode of length L.
+///
+/// ```
+/// use rollin::learner::Perceptron;
+/// use rollin::space::{Imitation, doc::{Follow, RealWorld}};
+/// use rollin::trainer::{Forward, Run};
+///
+/// let problem = Imitation { space: RealWorld, expert: Follow, episodes: 20 };
+/// let trained = Forward::default().train(&problem, &Perceptron::default(), &Run::new(1))?;
+/// assert_eq!(trained.policy.steps().len(), 10);
+/// assert_eq!((trained.ledger.labels, trained.ledger.steps), (200, 20 * 45));
+/// # Ok::<(), rollin::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Forward {
+    /// Whether each step's classifier starts from that of the step before.
+    pub warm: bool,
+}
+
+impl Forward {
+    /// Trains on `problem` with `learner`.
+    ///
+    /// # Errors
+    /// When the problem has no episodes.
+    pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
+        &self,
+        problem: &P,
+        learner: &L,
+        run: &Run<'_>,
+    ) -> Result<Trained<Ladder<L::Classifier>>> {
+        let mut book = Book::open(problem, run)?;
+        let mut policy = Ladder::new();
+        let episodes = all(problem);
+        for i in 0.. {
+            let seed = run.seed.child(Purpose::Round, 1 + i as u64);
+            let data = book.bill(roll::labels_at(problem, &policy, i, &episodes, seed));
+            if data.is_empty() {
+                break;
+            }
+            let warm = policy.steps().last().filter(|_| self.warm);
+            let classifier = learner.fit(Setting::of(problem), &data, warm, seed.child(Purpose::Learner, 0));
+            policy.push(classifier);
+            book.round(i + 1, f64::NAN);
+        }
+        Ok(book.close(policy.without_expert()))
+    }
+}

@@ -1,0 +1,71 @@
+//! SMILe (Ross & Bagnell 2010, section 4, Algorithm 4.1).
+
+use super::{Book, Run, Trained, check_rate, check_rounds};
+use crate::error::Result;
+use crate::learner::{Learner, Setting};
+use crate::policy::Mixture;
+use crate::roll;
+use crate::seed::Purpose;
+use crate::space::{Problem, ViewOf};
+use crate::worker::all;
+use serde::{Deserialize, Serialize};
+
+/// Stochastic Mixing Iterative Learning: round after round, a classifier that imitates the expert on the states of the current mixture takes
+/// over the share `alpha` of what is still the expert's.
+///
+/// ```
+/// use rollin::learner::Perceptron;
+/// use rollin::space::{Imitation, doc::{Follow, RealWorld}};
+/// use rollin::trainer::{Run, Smile};
+///
+/// let problem = Imitation { space: RealWorld, expert: Follow, episodes: 20 };
+/// let smile = Smile { alpha: 0.5, rounds: 3, ..Smile::default() };
+/// let trained = smile.train(&problem, &Perceptron::default(), &Run::new(1))?;
+/// assert_eq!(trained.ledger.labels, 3 * 200);
+/// let weights: Vec<f64> = trained.policy.members().iter().map(|(weight, _)| *weight).collect();
+/// assert_eq!(weights, [4.0 / 7.0, 2.0 / 7.0, 1.0 / 7.0]); // 1/2, 1/4, 1/8 without the expert's 1/8
+/// # Ok::<(), rollin::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Smile {
+    /// The mixing rate, in (0, 1].
+    pub alpha: f64,
+    /// Rounds: N.
+    pub rounds: usize,
+    /// Whether each classifier starts from the one before.
+    pub warm: bool,
+}
+
+impl Default for Smile {
+    fn default() -> Self {
+        Smile { alpha: 0.2, rounds: 7, warm: false }
+    }
+}
+
+impl Smile {
+    /// Trains on `problem` with `learner`.
+    ///
+    /// # Errors
+    /// When alpha is outside (0, 1], there are no rounds or the problem has no episodes.
+    pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
+        &self,
+        problem: &P,
+        learner: &L,
+        run: &Run<'_>,
+    ) -> Result<Trained<Mixture<L::Classifier>>> {
+        check_rate("alpha", self.alpha)?;
+        check_rounds(self.rounds)?;
+        let mut book = Book::open(problem, run)?;
+        let mut policy = Mixture::of_expert(); // pi^0 <- pi*
+        for i in 1..=self.rounds {
+            let seed = run.seed.child(Purpose::Round, i as u64);
+            let round = book.bill(roll::labels(problem, &policy, &all(problem), seed)); // execute pi^{i-1}
+            let warm = policy.members().last().map(|(_, classifier)| classifier).filter(|_| self.warm);
+            let classifier = learner.fit(Setting::of(problem), &round.examples, warm, seed.child(Purpose::Learner, 0));
+            policy.replace_expert(self.alpha, classifier); // pi^i = (1-alpha)^i pi* + alpha sum_j (1-alpha)^(j-1) pihat*^j
+            book.round(self.rounds, round.cost);
+        }
+        Ok(book.close(policy.without_expert()))
+    }
+}

@@ -1,0 +1,54 @@
+//! The bill of training.
+
+use serde::{Deserialize, Serialize};
+use std::iter::Sum;
+use std::ops::{Add, AddAssign};
+
+/// What training has cost so far, in plain numbers that add up, so that the number of threads cannot change the bill.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ledger {
+    /// States at which the expert was asked what it would do: once per visited state, however often the answer is read.
+    pub labels: u64,
+    /// Steps of roll-ins at which the expert drove.
+    pub expert_acts: u64,
+    /// Steps of roll-outs at which the expert drove.
+    pub rollout_acts: u64,
+    /// Visits, of roll-ins and roll-outs, at which the expert was consulted at all: a label that is also driven is one query.
+    pub queries: u64,
+    /// Roll-outs begun.
+    pub rollouts: u64,
+    /// Times a state was put back: one for each roll-out.
+    pub resets: u64,
+    /// Steps of the environment, of roll-ins and roll-outs alike.
+    pub steps: u64,
+    /// Training examples handed to a learner.
+    pub examples: u64,
+}
+
+impl AddAssign for Ledger {
+    fn add_assign(&mut self, other: Self) {
+        self.labels += other.labels;
+        self.expert_acts += other.expert_acts;
+        self.rollout_acts += other.rollout_acts;
+        self.queries += other.queries;
+        self.rollouts += other.rollouts;
+        self.resets += other.resets;
+        self.steps += other.steps;
+        self.examples += other.examples;
+    }
+}
+
+impl Add for Ledger {
+    type Output = Self;
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl Sum for Ledger {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Ledger::default(), Add::add)
+    }
+}

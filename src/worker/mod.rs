@@ -1,0 +1,146 @@
+//! Those who run episodes, and the bill they keep.
+//!
+//! A trainer never holds the space or the expert. It gets a [`Worker`], which runs episodes and owns all scratch, and at each
+//! state a [`Visit`], whose methods count in the [`Ledger`] whatever they do. [`sweep`] runs many episodes on all threads
+//! and hands back what was gathered in the order of the episodes.
+
+mod ledger;
+mod visit;
+
+pub use ledger::Ledger;
+pub use visit::{Sight, Visit};
+
+use crate::policy::Policy;
+use crate::seed::{Purpose, Seed};
+use crate::space::{Action, Episode, Gather, Problem, Space, ViewOf};
+use rayon::prelude::*;
+use visit::Kind;
+
+/// Runs episodes of a problem one at a time; owns the scratch that they share.
+pub struct Worker<'p, P: Problem> {
+    problem: &'p P,
+    ledger: Ledger,
+    view: ViewOf<P>,
+}
+
+impl<'p, P: Problem> Worker<'p, P> {
+    /// A worker with an empty bill.
+    pub fn new(problem: &'p P) -> Self {
+        Worker { problem, ledger: Ledger::default(), view: Default::default() }
+    }
+
+    /// What has been billed since the worker was new.
+    pub fn ledger(&self) -> Ledger {
+        self.ledger
+    }
+
+    /// Runs `episode`: at each state `drive` says what to do, or abandons the episode with `None`. Returns the total cost.
+    pub fn episode(&mut self, episode: Episode, mut drive: impl FnMut(&mut Visit<'_, P>) -> Option<Action>) -> f64 {
+        let space = self.problem.space();
+        let mut state = space.start(episode);
+        let mut total = 0.0;
+        for t in 0.. {
+            let mut visit =
+                Visit::new(self.problem, &state, &mut self.ledger, &mut self.view, Kind::RollIn, t, episode.seed);
+            if visit.legal().is_empty() {
+                break;
+            }
+            let Some(action) = drive(&mut visit) else { break };
+            let seed = visit.seed();
+            self.ledger.steps += 1;
+            total += space.step(&mut state, action, seed);
+        }
+        total
+    }
+
+    /// Runs `episode` as `policy` drives, and shows every state to `each` before the policy acts in it. Returns the total cost.
+    pub fn roll_in<D: Policy<P>>(
+        &mut self,
+        policy: &D,
+        memory: &mut D::Memory,
+        episode: Episode,
+        mut each: impl FnMut(&mut Visit<'_, P>),
+    ) -> f64 {
+        self.episode(episode, |visit| {
+            each(visit);
+            Some(policy.act(visit, memory))
+        })
+    }
+}
+
+/// Episodes per shard: the unit of work of a thread. Results do not depend on it.
+const SHARD: usize = 16;
+
+/// Runs `episodes`, each keyed by `seed` and its number, on all threads of the current rayon pool.
+///
+/// `run` is given a worker, the thread's memory (scratch that must not influence results) and the gathering to add to. What
+/// was gathered comes back in the order of the episodes, with the bill.
+pub fn sweep<P, M, G>(
+    problem: &P,
+    episodes: &[usize],
+    seed: Seed,
+    run: impl Fn(&mut Worker<'_, P>, &mut M, Episode, &mut G) + Sync,
+) -> (G, Ledger)
+where
+    P: Problem,
+    M: Default + Send,
+    G: Gather,
+{
+    let shards: Vec<(G, Ledger)> = episodes
+        .par_chunks(SHARD)
+        .map_init(
+            || (ViewOf::<P>::default(), M::default()),
+            |(view, memory), shard| {
+                let mut worker = Worker { problem, ledger: Ledger::default(), view: std::mem::take(view) };
+                let mut gathered = G::default();
+                for &index in shard {
+                    let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
+                    run(&mut worker, memory, episode, &mut gathered);
+                }
+                *view = worker.view;
+                (gathered, worker.ledger)
+            },
+        )
+        .collect();
+    let mut gathered = G::default();
+    let mut ledger = Ledger::default();
+    for (shard, bill) in shards {
+        gathered.absorb(shard);
+        ledger += bill;
+    }
+    (gathered, ledger)
+}
+
+/// The numbers of all the problem's episodes.
+pub fn all(problem: &impl Problem) -> Vec<usize> {
+    (0..problem.episodes()).collect()
+}
+
+/// What a policy did in one run over a problem's episodes.
+#[derive(Clone, Debug, Default)]
+pub struct Performance {
+    /// All actions, episode after episode.
+    pub actions: Vec<Action>,
+    /// The total cost of each episode.
+    pub costs: Vec<f64>,
+}
+
+impl Gather for Performance {
+    fn absorb(&mut self, later: Self) {
+        self.actions.absorb(later.actions);
+        self.costs.absorb(later.costs);
+    }
+}
+
+/// Runs `policy` over the problem's episodes.
+pub fn perform<P: Problem, D: Policy<P>>(problem: &P, policy: &D, seed: Seed) -> (Performance, Ledger) {
+    sweep(problem, &all(problem), seed, |worker, memory: &mut D::Memory, episode, done: &mut Performance| {
+        let actions = &mut done.actions;
+        let cost = worker.episode(episode, |visit| {
+            let action = policy.act(visit, memory);
+            actions.push(action);
+            Some(action)
+        });
+        done.costs.push(cost);
+    })
+}

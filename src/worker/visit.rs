@@ -1,0 +1,165 @@
+//! One visit to one state.
+
+use super::Ledger;
+use crate::learner::{Examples, Target};
+use crate::policy::Policy;
+use crate::seed::{Purpose, Seed};
+use crate::space::{Action, Actions, CostToGo, Expert, Problem, SharedOf, Space, StateOf, View, ViewOf};
+
+/// Everything that a policy can see of a state.
+pub struct Sight<'a, V: View> {
+    /// What all views of the space share.
+    pub shared: &'a V::Shared,
+    /// The view of the state.
+    pub view: &'a V,
+    /// The actions that are legal there.
+    pub legal: Actions<'a>,
+}
+
+/// Whose bill a visit goes on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    RollIn,
+    RollOut,
+}
+
+/// A state during a run. Whatever is asked of the expert or of the space through it is billed.
+pub struct Visit<'v, P: Problem> {
+    problem: &'v P,
+    state: &'v StateOf<P>,
+    ledger: &'v mut Ledger,
+    view: &'v mut ViewOf<P>,
+    looked: bool,
+    kind: Kind,
+    t: usize,
+    run: Seed,
+    /// The expert's answer, once it has been consulted.
+    answer: Option<Option<Action>>,
+    labelled: bool,
+}
+
+impl<'v, P: Problem> Visit<'v, P> {
+    pub(super) fn new(
+        problem: &'v P,
+        state: &'v StateOf<P>,
+        ledger: &'v mut Ledger,
+        view: &'v mut ViewOf<P>,
+        kind: Kind,
+        t: usize,
+        run: Seed,
+    ) -> Self {
+        Visit { problem, state, ledger, view, looked: false, kind, t, run, answer: None, labelled: false }
+    }
+
+    /// The step, counted from 0.
+    pub fn t(&self) -> usize {
+        self.t
+    }
+
+    /// The node of the seed tree that belongs to this step of this run.
+    pub fn seed(&self) -> Seed {
+        self.run.child(Purpose::Step, self.t as u64)
+    }
+
+    /// The legal actions; never none.
+    pub fn legal(&self) -> Actions<'v> {
+        self.problem.space().legal(self.state)
+    }
+
+    /// What a policy can see here.
+    pub fn sight(&mut self) -> Sight<'_, ViewOf<P>> {
+        let space = self.problem.space();
+        if !self.looked {
+            space.look(self.state, self.view);
+            self.looked = true;
+        }
+        Sight { shared: space.shared(), view: self.view, legal: space.legal(self.state) }
+    }
+
+    /// What the space's views share.
+    pub fn shared(&self) -> &'v SharedOf<P> {
+        self.problem.space().shared()
+    }
+
+    /// Asks the expert what it would do here. Billed as one label, however often it is called. `None` from a silent expert.
+    pub fn label(&mut self) -> Option<Action> {
+        let answer = self.consult();
+        if answer.is_some() && !std::mem::replace(&mut self.labelled, true) {
+            self.ledger.labels += 1;
+        }
+        answer
+    }
+
+    /// Lets the expert drive for this step. Billed as an act of the expert. A silent expert takes the lowest legal action.
+    pub fn expert(&mut self) -> Action {
+        let answer = self.consult();
+        if answer.is_some() {
+            match self.kind {
+                Kind::RollIn => self.ledger.expert_acts += 1,
+                Kind::RollOut => self.ledger.rollout_acts += 1,
+            }
+        }
+        answer.unwrap_or_else(|| self.legal().nth(0))
+    }
+
+    fn consult(&mut self) -> Option<Action> {
+        if self.answer.is_none() {
+            let answer = self.problem.expert().action(self.problem.space(), self.state);
+            debug_assert!(answer.is_none_or(|a| self.legal().contains(a)), "the expert's answer is not legal");
+            self.ledger.queries += u64::from(answer.is_some());
+            self.answer = Some(answer);
+        }
+        self.answer.flatten()
+    }
+
+    /// The expert's own cost-to-go after each legal action in order, where it is known. Billed as one label: the expert is
+    /// consulted about this state, and nothing is rolled out.
+    pub fn costs_to_go(&mut self, costs: &mut Vec<f64>)
+    where
+        P::Expert: CostToGo<P::Space>,
+    {
+        if self.label().is_some() {
+            self.problem.expert().costs(self.problem.space(), self.state, costs);
+        } else {
+            costs.clear();
+            costs.resize(self.legal().len(), 0.0);
+        }
+    }
+
+    /// Adds this state and what is to be learned there to `examples`. Billed as one example.
+    pub fn record(&mut self, examples: &mut Examples<ViewOf<P>>, target: Target<'_>) {
+        self.ledger.examples += 1;
+        let sight = self.sight();
+        examples.push(sight.view, sight.legal, target);
+    }
+
+    /// Puts the system back to this state, takes `action` and lets `policy` act to the end. Returns the total cost from here. Billed
+    /// as a reset and a roll-out.
+    ///
+    /// Step t of the roll-out draws its randomness from `run` and t alone, so actions that are compared share it, and so
+    /// do roll-outs from different states of one episode that are given the same `run`.
+    pub fn roll_out<D: Policy<P>>(&mut self, action: Action, policy: &D, memory: &mut D::Memory, run: Seed) -> f64
+    where
+        StateOf<P>: Clone,
+    {
+        self.ledger.rollouts += 1;
+        self.ledger.resets += 1;
+        let space = self.problem.space();
+        let mut state = self.state.clone();
+        let mut action = action;
+        let mut costs = Vec::new();
+        for t in self.t.. {
+            self.ledger.steps += 1;
+            costs.push(space.step(&mut state, action, run.child(Purpose::Step, t as u64)));
+            // The view of the state at hand is overwritten: the next look at it writes it again.
+            self.looked = false;
+            let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t + 1, run);
+            if visit.legal().is_empty() {
+                break;
+            }
+            action = policy.act(&mut visit, memory);
+        }
+        // From the end, as a table of costs-to-go would add them.
+        costs.into_iter().rev().fold(0.0, |rest, cost| cost + rest)
+    }
+}
