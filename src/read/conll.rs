@@ -1,1 +1,247 @@
-//! Placeholder.
+//! Corpora in columns, as in the shared tasks of CoNLL: one token a line, its columns separated by runs of spaces or tabs,
+//! blank lines between sentences.
+//!
+//! Only the ASCII space and tab separate columns: a no-break space is part of a word. Spaces, tabs and carriage returns
+//! at the end of a line are no part of it, and a line of nothing else is blank. A byte order mark before the first line
+//! is skipped.
+
+use crate::corpus::{Column, Corpus, MARK};
+use crate::error::{Error, Place, Result};
+use memchr::{memchr, memchr_iter};
+use nom::{IResult, Parser, sequence::preceded};
+use std::io::BufRead;
+use std::path::Path;
+
+/// Reads the corpus in the file at `path`.
+///
+/// # Errors
+/// As [`parse`], and when the file cannot be read.
+pub fn read_file(path: impl AsRef<Path>) -> Result<Corpus> {
+    let path = path.as_ref();
+    parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path, 1)
+}
+
+/// The corpus that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1 but
+/// for a block from the middle of a file.
+///
+/// # Errors
+/// With the exact place, when `text` is not UTF-8, has a NUL in it, has lines of different numbers of columns or no
+/// sentence at all, or has more tokens than a `u32` can count.
+pub fn parse(text: &[u8], path: &Path, first_line: usize) -> Result<Corpus> {
+    let source = Source { text, path, first_line };
+    match source.corpus()? {
+        Some(corpus) => Ok(corpus),
+        None => Err(Error::data(source.place(text.len()), "no sentence", "lines of one token each")),
+    }
+}
+
+/// A text and where it comes from.
+struct Source<'a> {
+    text: &'a [u8],
+    path: &'a Path,
+    first_line: usize,
+}
+
+impl Source<'_> {
+    /// The place at byte `offset`.
+    fn place(&self, offset: usize) -> Place {
+        let place = Place::of(self.path, self.text, offset);
+        Place { line: place.line - 1 + self.first_line, ..place }
+    }
+
+    /// The text as characters, if it can be a corpus.
+    fn characters(&self) -> Result<&str> {
+        if let Some(offset) = memchr(0, self.text) {
+            return Err(Error::data(self.place(offset), "a NUL byte", "text in UTF-8, not a binary file"));
+        }
+        std::str::from_utf8(self.text).map_err(|error| {
+            let offset = error.valid_up_to();
+            let byte = self.text.get(offset).copied().unwrap_or(0);
+            Error::data(self.place(offset), format!("byte 0x{byte:02x}, which is not UTF-8"), "text in UTF-8")
+        })
+    }
+
+    /// The corpus, or nothing when all lines are blank.
+    fn corpus(&self) -> Result<Option<Corpus>> {
+        let whole = self.characters()?;
+        let skipped = if self.first_line == 1 && whole.starts_with(MARK) { MARK.len_utf8() } else { 0 };
+        let mut corpus = Corpus::new(self.path, 0);
+        let (mut rest, mut line) = (&whole[skipped..], self.first_line);
+        while !rest.is_empty() {
+            let (content, next) = split_line(rest);
+            if content.is_empty() {
+                corpus.end_sentence();
+            } else {
+                if corpus.columns.is_empty() {
+                    self.open(&mut corpus, content);
+                }
+                if corpus.lines.len() >= u32::MAX as usize - 1 {
+                    let limit = format!("at most {} of them", u32::MAX - 1);
+                    return Err(Error::data(self.place(whole.len() - rest.len()), "too many tokens", limit));
+                }
+                self.token(&mut corpus, content, whole.len() - rest.len())?;
+                corpus.lines.push(line);
+            }
+            rest = next;
+            line += 1;
+        }
+        corpus.end_sentence();
+        Ok((corpus.sentences() > 0).then_some(corpus))
+    }
+
+    /// Gives `corpus` as many columns as its first line has, with room for a token on every line of the text.
+    fn open(&self, corpus: &mut Corpus, mut content: &str) {
+        let tokens = memchr_iter(b'\n', self.text).count() + 1;
+        corpus.lines.reserve(tokens);
+        while let Ok((rest, _)) = cell(content) {
+            corpus.columns.push(Column { cells: Vec::with_capacity(tokens), ..Column::default() });
+            content = rest;
+        }
+    }
+
+    /// Appends the words of one line, which starts at byte `offset`, to the columns.
+    #[inline]
+    fn token(&self, corpus: &mut Corpus, content: &str, offset: usize) -> Result<()> {
+        let mut rest = content;
+        for column in &mut corpus.columns {
+            let Ok((next, word)) = cell(rest) else { return Err(self.uneven(corpus, content, offset)) };
+            column.push(word);
+            rest = next;
+        }
+        if rest.is_empty() { Ok(()) } else { Err(self.uneven(corpus, content, offset)) }
+    }
+
+    /// The error of a line with more or fewer columns than the first.
+    #[cold]
+    fn uneven(&self, corpus: &Corpus, content: &str, offset: usize) -> Error {
+        let (mut rest, mut found, mut at) = (content, 0, content.len());
+        while let Ok((next, word)) = cell(rest) {
+            if found == corpus.columns.len() {
+                at = content.len() - next.len() - word.len();
+            }
+            found += 1;
+            rest = next;
+        }
+        let columns = |n| if n == 1 { "1 column".to_owned() } else { format!("{n} columns") };
+        let expected = match corpus.lines.first() {
+            Some(line) => format!("{} as on line {line}", columns(corpus.columns.len())),
+            None => columns(corpus.columns.len()),
+        };
+        Error::data(self.place(offset + at), columns(found), expected)
+    }
+}
+
+/// Whether `byte` separates columns.
+#[inline]
+fn is_blank(byte: u8) -> bool {
+    byte == b' ' || byte == b'\t'
+}
+
+/// The first line of `text`, without its end and blanks before that, and what follows the line.
+#[inline]
+fn split_line(text: &str) -> (&str, &str) {
+    let (line, next) = match memchr(b'\n', text.as_bytes()) {
+        Some(end) => (&text[..end], &text[end + 1..]),
+        None => (text, ""),
+    };
+    (&line[..trimmed(line.as_bytes())], next)
+}
+
+/// The length of `line` without its end.
+#[inline]
+fn trimmed(line: &[u8]) -> usize {
+    line.iter().rposition(|&byte| !is_blank(byte) && byte != b'\r' && byte != b'\n').map_or(0, |last| last + 1)
+}
+
+/// The blanks at the start of a line's rest.
+#[inline]
+fn blanks(rest: &str) -> IResult<&str, &str, ()> {
+    let end = rest.bytes().position(|byte| !is_blank(byte)).unwrap_or(rest.len());
+    Ok((&rest[end..], &rest[..end]))
+}
+
+/// A word: everything up to the next blank.
+#[inline]
+fn word(rest: &str) -> IResult<&str, &str, ()> {
+    match rest.bytes().position(is_blank).unwrap_or(rest.len()) {
+        0 => Err(nom::Err::Error(())),
+        end => Ok((&rest[end..], &rest[..end])),
+    }
+}
+
+/// The next cell of a line.
+#[inline]
+fn cell(rest: &str) -> IResult<&str, &str, ()> {
+    preceded(blanks, word).parse(rest)
+}
+
+/// Some whole sentences of a stream, as they were read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Every byte of it.
+    pub bytes: Vec<u8>,
+    /// The number of its first line in the stream, from 1.
+    pub first_line: usize,
+}
+
+/// One line of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line<'a> {
+    /// The line up to its last character that is no blank: empty if the line is blank, a token otherwise.
+    pub text: &'a [u8],
+    /// What is left of it, its end included.
+    pub end: &'a [u8],
+}
+
+impl Block {
+    /// The corpus that this block of `path` is, or nothing when all its lines are blank.
+    ///
+    /// # Errors
+    /// As [`parse`], but for blank lines.
+    pub fn corpus(&self, path: &Path) -> Result<Option<Corpus>> {
+        Source { text: &self.bytes, path, first_line: self.first_line }.corpus()
+    }
+
+    /// The lines: one after the other, text and end, they are the block again.
+    pub fn lines(&self) -> impl Iterator<Item = Line<'_>> {
+        self.bytes.split_inclusive(|&byte| byte == b'\n').map(|line| {
+            let (text, end) = line.split_at(trimmed(line));
+            Line { text, end }
+        })
+    }
+}
+
+/// A stream cut into blocks of whole sentences, so that a corpus of any size can be tagged in little memory: that of one
+/// block, which is as long as it must be to end where a sentence does.
+pub struct Blocks<R> {
+    input: R,
+    size: usize,
+    line: usize,
+}
+
+impl<R: BufRead> Blocks<R> {
+    /// The blocks of `input`, each of at least `size` lines but for the last.
+    pub fn new(input: R, size: usize) -> Self {
+        Blocks { input, size, line: 1 }
+    }
+}
+
+impl<R: BufRead> Iterator for Blocks<R> {
+    type Item = std::io::Result<Block>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut block = Block { bytes: Vec::new(), first_line: self.line };
+        loop {
+            let start = block.bytes.len();
+            match self.input.read_until(b'\n', &mut block.bytes) {
+                Ok(0) => return (start > 0).then_some(Ok(block)),
+                Ok(_) => self.line += 1,
+                Err(error) => return Some(Err(error)),
+            }
+            let blank = trimmed(&block.bytes[start..]) == 0;
+            if blank && self.line - block.first_line >= self.size {
+                return Some(Ok(block));
+            }
+        }
+    }
+}

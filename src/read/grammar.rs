@@ -1,1 +1,369 @@
-//! Placeholder.
+//! Reader of grammars: text to syntax tree.
+//!
+//! A grammar is a list of statements, each closed by `;`. A `#` starts a comment that runs to the end of its line.
+//!
+//! ```text
+//! start Noun*3 Verb;                        # where sentences start, with weights; a weight left out is 1
+//! words kin = vel*3 oru "5th";              # a shared list of words with weights
+//! words all = @kin*2 tam;                   # two parts a word of kin, one part tam
+//! Noun -> { @kin tam*0.5 } { Verb*4 end }   # any word of the first braces, then any of the second
+//!       | mor Noun *2;                      # another way, twice as likely: the one word mor, then Noun
+//! Late : Noun -> tam end;                   # a nonterminal that carries another tag than its own name
+//! ```
+//!
+//! Names and bare words start with a letter or `_` and go on with letters, digits, `_`, `'` and inner hyphens; any other
+//! word, and any other tag after `:`, stands in double quotes, with `\"` and `\\` for a quote and a backslash, and holds
+//! no white space. `start` and `words` begin their statements and `end` ends a sentence, so no nonterminal has one
+//! of these three names. What the tree means, and what else is refused, is told in [`grammar`](crate::grammar).
+
+use std::path::{Path, PathBuf};
+
+use nom::branch::alt;
+use nom::bytes::complete::{tag, take_while, take_while1};
+use nom::character::complete::{char, digit0, digit1, none_of, one_of, satisfy};
+use nom::combinator::{cut, map, not, opt, recognize, value, verify};
+use nom::error::{ErrorKind, ParseError};
+use nom::multi::{fold_many1, many0, many0_count, many1};
+use nom::sequence::{delimited, pair, preceded, terminated};
+use nom::{IResult, Parser};
+
+use crate::error::{Error, Place, Result};
+
+/// A name, a word or a tag, and the byte where it stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// The name itself, without quotes.
+    pub text: String,
+    /// The byte of the source at which it starts.
+    pub offset: usize,
+}
+
+/// Something with a weight: one of several choices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weighted<T> {
+    /// What may be chosen.
+    pub item: T,
+    /// Its weight beside the other choices: positive and finite.
+    pub weight: f64,
+}
+
+/// A choice in a list of words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Item {
+    /// One word.
+    Word(Name),
+    /// Any word of a shared list: `@name`.
+    List(Name),
+}
+
+/// A choice of what follows a word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// The nonterminal that goes on.
+    Nonterminal(Name),
+    /// The end of the sentence; the name's text is `end`.
+    End(Name),
+}
+
+/// A shared list of words: `words name = ...;`
+#[derive(Clone, Debug, PartialEq)]
+pub struct List {
+    /// The list's name.
+    pub name: Name,
+    /// Its choices.
+    pub items: Vec<Weighted<Item>>,
+}
+
+/// One alternative of a rule: a word of `words`, then one of `next`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm {
+    /// The choices of the word.
+    pub words: Vec<Weighted<Item>>,
+    /// The choices of what follows it.
+    pub next: Vec<Weighted<Target>>,
+}
+
+/// All that one nonterminal may do: `name : tag -> arm | arm;`
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rule {
+    /// The nonterminal.
+    pub name: Name,
+    /// Its tag, where it is not the nonterminal's own name.
+    pub tag: Option<Name>,
+    /// Its alternatives.
+    pub arms: Vec<Weighted<Arm>>,
+}
+
+/// A grammar as it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    /// The file the text came from, for errors.
+    pub path: PathBuf,
+    /// The text itself, for errors.
+    pub text: String,
+    /// Where sentences may start.
+    pub start: Vec<Weighted<Name>>,
+    /// The shared lists, in the order of the text.
+    pub lists: Vec<List>,
+    /// The rules, in the order of the text.
+    pub rules: Vec<Rule>,
+}
+
+impl Tree {
+    /// Reads `text`, which came from `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Data`] where the text is not of the form above, and where it has no `start` or a second one.
+    pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self> {
+        let path = path.as_ref();
+        let source = Source { text };
+        let refuse = |at: &str, found: String, expected: &str| {
+            Error::data(Place::of(path, text.as_bytes(), source.offset(at)), found, expected)
+        };
+        let statements = match source.statements(text) {
+            Ok((_, statements)) => statements,
+            Err(nom::Err::Error(stop) | nom::Err::Failure(stop)) => {
+                return Err(refuse(stop.at, found(stop.at), stop.expected));
+            }
+            Err(nom::Err::Incomplete(_)) => return Err(refuse("", found(""), STATEMENT)),
+        };
+        let mut tree = Tree {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            start: Vec::new(),
+            lists: Vec::new(),
+            rules: Vec::new(),
+        };
+        for statement in statements {
+            match statement {
+                Statement::Start(at, _) if !tree.start.is_empty() => {
+                    return Err(refuse(
+                        at,
+                        "a second `start`".into(),
+                        "one `start` that lists every first nonterminal",
+                    ));
+                }
+                Statement::Start(_, start) => tree.start = start,
+                Statement::List(list) => tree.lists.push(list),
+                Statement::Rule(rule) => tree.rules.push(rule),
+            }
+        }
+        if tree.start.is_empty() {
+            return Err(refuse(
+                "",
+                "no `start` up to the end of the text".into(),
+                "`start` and a nonterminal, such as `start S;`",
+            ));
+        }
+        Ok(tree)
+    }
+
+    /// The place of the byte `offset` of the text.
+    pub fn place(&self, offset: usize) -> Place {
+        Place::of(&self.path, self.text.as_bytes(), offset)
+    }
+}
+
+const STATEMENT: &str = "`start`, `words` or a rule such as `Noun -> word Verb;`";
+const RESERVED: [&str; 3] = ["start", "words", "end"];
+
+enum Statement<'a> {
+    Start(&'a str, Vec<Weighted<Name>>),
+    List(List),
+    Rule(Rule),
+}
+
+/// Where reading stopped and what would have let it go on.
+struct Stop<'a> {
+    at: &'a str,
+    expected: &'static str,
+}
+
+impl<'a> ParseError<&'a str> for Stop<'a> {
+    fn from_error_kind(at: &'a str, _: ErrorKind) -> Self {
+        Stop { at, expected: STATEMENT }
+    }
+
+    fn append(_: &'a str, _: ErrorKind, other: Self) -> Self {
+        other
+    }
+}
+
+type Read<'a, O> = IResult<&'a str, O, Stop<'a>>;
+
+/// What stands at the start of `at`, for an error: up to twenty characters without white space.
+fn found(at: &str) -> String {
+    match at.split_whitespace().next() {
+        None => "the text ends".into(),
+        Some(token) => format!("found `{}`", token.chars().take(20).collect::<String>()),
+    }
+}
+
+/// White space and comments.
+fn blank(i: &str) -> Read<'_, ()> {
+    let comment = pair(char('#'), take_while(|c| c != '\n'));
+    value((), many0_count(alt((value((), take_while1(char::is_whitespace)), value((), comment))))).parse(i)
+}
+
+/// `parser`, then white space and comments.
+fn token<'a, O>(
+    parser: impl Parser<&'a str, Output = O, Error = Stop<'a>>,
+) -> impl Parser<&'a str, Output = O, Error = Stop<'a>> {
+    terminated(parser, blank)
+}
+
+/// `parser`, which alone can stand here: if it does not, reading ends with what was `expected`.
+fn must<'a, O>(
+    expected: &'static str,
+    mut parser: impl Parser<&'a str, Output = O, Error = Stop<'a>>,
+) -> impl FnMut(&'a str) -> Read<'a, O> {
+    move |i| match parser.parse(i) {
+        Err(nom::Err::Error(_)) => Err(nom::Err::Failure(Stop { at: i, expected })),
+        other => other,
+    }
+}
+
+fn bare(i: &str) -> Read<'_, &str> {
+    let letter = satisfy(|c| c.is_alphabetic() || c == '_');
+    let inner = |c: char| c.is_alphanumeric() || c == '_' || c == '\'';
+    let tail = many0_count(pair(char('-'), take_while1(inner)));
+    recognize((letter, take_while(inner), tail)).parse(i)
+}
+
+fn quoted(i: &str) -> Read<'_, String> {
+    let plain = verify(none_of("\"\\"), |c: &char| !c.is_whitespace() && !c.is_control());
+    let escaped = preceded(char('\\'), must("`\\\"` or `\\\\`", one_of("\"\\")));
+    let inside = fold_many1(alt((plain, escaped)), String::new, |mut word, c| {
+        word.push(c);
+        word
+    });
+    let close = must("`\"` to close the word, which holds no white space", char('"'));
+    delimited(char('"'), must("at least one character, none of them white space", inside), close).parse(i)
+}
+
+/// The weight after `*`, or 1.
+fn weight(i: &str) -> Read<'_, f64> {
+    let exponent = || opt((one_of("eE"), opt(one_of("+-")), digit1));
+    let whole = recognize((digit1, opt(pair(char('.'), digit0)), exponent()));
+    let fraction = recognize((char('.'), digit1, exponent()));
+    // A digit that went straight on with a letter would be a name that lost its `*` or a unit: neither is a weight.
+    let number = terminated(alt((whole, fraction)), not(satisfy(|c| c.is_alphanumeric() || c == '.' || c == '_')));
+    let positive = |text: &str| text.parse::<f64>().ok().filter(|w| w.is_finite() && *w > 0.0);
+    let number = token(nom::combinator::map_opt(number, positive));
+    let given = preceded(token(char('*')), must("a weight: a positive finite number such as 3 or 0.5", number));
+    map(opt(given), |given| given.unwrap_or(1.0)).parse(i)
+}
+
+fn weighted<'a, O>(
+    parser: impl Parser<&'a str, Output = O, Error = Stop<'a>>,
+) -> impl Parser<&'a str, Output = Weighted<O>, Error = Stop<'a>> {
+    map(pair(parser, weight), |(item, weight)| Weighted { item, weight })
+}
+
+fn one<T>(item: T) -> Vec<Weighted<T>> {
+    vec![Weighted { item, weight: 1.0 }]
+}
+
+/// The whole text, against which offsets are counted.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    /// The byte at which `rest`, a tail of the text, starts.
+    fn offset(self, rest: &str) -> usize {
+        self.text.len() - rest.len()
+    }
+
+    fn at<O: Into<String>>(
+        self,
+        mut parser: impl Parser<&'a str, Output = O, Error = Stop<'a>>,
+    ) -> impl FnMut(&'a str) -> Read<'a, Name> {
+        move |i| {
+            let (rest, text) = parser.parse(i)?;
+            Ok((blank(rest)?.0, Name { text: text.into(), offset: self.offset(i) }))
+        }
+    }
+
+    fn nonterminal(self, i: &'a str) -> Read<'a, Name> {
+        self.at(verify(bare, |name: &str| !RESERVED.contains(&name))).parse(i)
+    }
+
+    fn word(self, i: &'a str) -> Read<'a, Name> {
+        alt((self.at(bare), self.at(quoted))).parse(i)
+    }
+
+    fn item(self, i: &'a str) -> Read<'a, Item> {
+        let list = preceded(char('@'), must("the name of a list straight after `@`", self.at(bare)));
+        alt((map(list, Item::List), map(|i| self.word(i), Item::Word))).parse(i)
+    }
+
+    fn target(self, i: &'a str) -> Read<'a, Target> {
+        let end = self.at(verify(bare, |name: &str| name == "end"));
+        alt((map(end, Target::End), map(|i| self.nonterminal(i), Target::Nonterminal))).parse(i)
+    }
+
+    fn braces<O>(
+        self,
+        expected: &'static str,
+        close: &'static str,
+        item: impl Fn(&'a str) -> Read<'a, O> + Copy,
+    ) -> impl Parser<&'a str, Output = Vec<Weighted<O>>, Error = Stop<'a>> {
+        let inside = must(expected, many1(weighted(item)));
+        delimited(token(char('{')), inside, must(close, token(char('}'))))
+    }
+
+    fn arm(self, i: &'a str) -> Read<'a, Arm> {
+        let words = self.braces(
+            "a word or `@` and the name of a list",
+            "a word, `@` and the name of a list, `*` and a weight, or `}`",
+            move |i| self.item(i),
+        );
+        let next = self.braces("a nonterminal or `end`", "a nonterminal, `end`, `*` and a weight, or `}`", move |i| {
+            self.target(i)
+        });
+        let words = alt((words, map(|i| self.item(i), one)));
+        let next = alt((next, map(|i| self.target(i), one)));
+        let (i, words) = must("a word, `@` and the name of a list, or `{`", words).parse(i)?;
+        let (i, next) = must("the nonterminal that follows the word, `end` or `{`", next).parse(i)?;
+        Ok((i, Arm { words, next }))
+    }
+
+    fn start(self, i: &'a str) -> Read<'a, Statement<'a>> {
+        let keyword = terminated(tag("start"), not(satisfy(|c| c.is_alphanumeric() || "_'-".contains(c))));
+        let (rest, _) = token(keyword).parse(i)?;
+        let names = many1(weighted(|i| self.nonterminal(i)));
+        let (rest, start) = must("a nonterminal at which sentences start", names).parse(rest)?;
+        let (rest, _) = must("a nonterminal, `*` and a weight, or `;`", token(char(';'))).parse(rest)?;
+        Ok((rest, Statement::Start(i, start)))
+    }
+
+    fn list(self, i: &'a str) -> Read<'a, Statement<'a>> {
+        let keyword = terminated(tag("words"), not(satisfy(|c| c.is_alphanumeric() || "_'-".contains(c))));
+        let (i, _) = token(keyword).parse(i)?;
+        let (i, name) = must("the name of the list", self.at(bare)).parse(i)?;
+        let (i, _) = must("`=`", token(char('='))).parse(i)?;
+        let (i, items) = must("a word or `@` and the name of a list", many1(weighted(|i| self.item(i)))).parse(i)?;
+        let (i, _) = must("a word, `@` and the name of a list, `*` and a weight, or `;`", token(char(';'))).parse(i)?;
+        Ok((i, Statement::List(List { name, items })))
+    }
+
+    fn rule(self, i: &'a str) -> Read<'a, Statement<'a>> {
+        let (i, name) = self.nonterminal(i)?;
+        let (i, tag_name) =
+            opt(preceded(token(char(':')), must("the tag that the nonterminal carries", |i| self.word(i)))).parse(i)?;
+        let (i, _) = must("`->`, or `:` and a tag", token(tag("->"))).parse(i)?;
+        let (i, first) = weighted(|i| self.arm(i)).parse(i)?;
+        let (i, others) = many0(preceded(token(char('|')), cut(weighted(|i| self.arm(i))))).parse(i)?;
+        let (i, _) = must("`|`, `*` and a weight, or `;`", token(char(';'))).parse(i)?;
+        Ok((i, Statement::Rule(Rule { name, tag: tag_name, arms: std::iter::once(first).chain(others).collect() })))
+    }
+
+    fn statements(self, i: &'a str) -> Read<'a, Vec<Statement<'a>>> {
+        let (i, _) = blank(i)?;
+        let (i, statements) = many0(alt((|i| self.start(i), |i| self.list(i), |i| self.rule(i)))).parse(i)?;
+        if i.is_empty() { Ok((i, statements)) } else { Err(nom::Err::Failure(Stop { at: i, expected: STATEMENT })) }
+    }
+}

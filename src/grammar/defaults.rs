@@ -1,0 +1,1 @@
+//! The grammar and the corpora that come with the crate.
