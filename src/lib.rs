@@ -4,12 +4,15 @@ pub mod corpus;
 pub mod error;
 pub mod grammar;
 pub mod learner;
+pub mod output;
 pub mod policy;
 pub mod read;
+pub mod report;
 pub mod roll;
 pub mod seed;
 pub mod space;
 pub mod tasks;
+pub mod theory;
 pub mod trainer;
 pub mod worker;
 

@@ -24,7 +24,7 @@ pub use wap::Wap;
 
 use crate::policy::Classifier;
 use crate::seed::Seed;
-use crate::space::{Problem, SharedOf, Space, View, ViewOf};
+use crate::space::{Problem, Space, View};
 
 /// What a learner must know of a space.
 pub struct Setting<'a, V: View> {
@@ -44,9 +44,9 @@ impl<V: View> Copy for Setting<'_, V> {}
 
 impl<'a, V: View> Setting<'a, V> {
     /// The setting of `problem`.
-    pub fn of<P: Problem>(problem: &'a P) -> Setting<'a, ViewOf<P>>
+    pub fn of<P: Problem>(problem: &'a P) -> Self
     where
-        ViewOf<P>: View<Shared = SharedOf<P>>,
+        P::Space: Space<View = V>,
     {
         Setting { shared: problem.space().shared(), actions: problem.space().actions() }
     }

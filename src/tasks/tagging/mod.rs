@@ -8,11 +8,13 @@ mod encoding;
 mod file;
 mod space;
 mod tagger;
+mod training;
 mod transitions;
 
 pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
 pub use tagger::{About, Learned, Tagger};
+pub use training::{AnyLearner, Trainer};
 pub use transitions::{Order, Transitions};
 
 use crate::space::Imitation;

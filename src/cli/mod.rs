@@ -1,0 +1,105 @@
+//! The command-line program: one file a command.
+//!
+//! What a command computes goes to standard output, progress and errors to standard error. Bad input ends with exit code 2 and one
+//! message.
+
+mod compare;
+mod evaluate;
+mod generate;
+mod inspect;
+mod options;
+mod progress;
+mod tag;
+mod train;
+
+use crate::error::{Error, Result};
+use clap::{Args, Parser, Subcommand};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Structured prediction by learning to search: imitation learning as sequence labelling.
+#[derive(Parser)]
+#[command(name = "rollin", version, propagate_version = true, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    global: Global,
+}
+
+/// What every command understands.
+#[derive(Args)]
+struct Global {
+    /// The number that all randomness starts from
+    #[arg(long, global = true, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Threads; the results do not depend on it [default: one per core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// No progress on standard error
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// One JSON object on standard output
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Train a tagger and write its model file
+    Train(train::Train),
+    /// Tag standard input: every line again, with the label as a further last column
+    Tag(tag::Tag),
+    /// Compare a model's labels with the right ones
+    Evaluate(evaluate::Evaluate),
+    /// Train with several algorithms on the same data and compare accuracy with what the expert was asked
+    Compare(compare::Compare),
+    /// Draw tagged sentences from a grammar
+    Generate(generate::Generate),
+    /// Tell what is in a model file
+    Inspect(inspect::Inspect),
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Nobody may be left to read this either.
+            let _ = writeln!(io::stderr(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<()> {
+    if let Some(threads) = cli.global.threads {
+        let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        built.map_err(|error| Error::argument("--threads", threads, format!("possible here ({error})")))?;
+    }
+    match &cli.command {
+        Command::Train(command) => command.run(&cli.global),
+        Command::Tag(command) => command.run(&cli.global),
+        Command::Evaluate(command) => command.run(&cli.global),
+        Command::Compare(command) => command.run(&cli.global),
+        Command::Generate(command) => command.run(&cli.global),
+        Command::Inspect(command) => command.run(&cli.global),
+    }
+}
+
+/// Standard output, whose closing is an error like any other.
+fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(closed)
+}
+
+/// One JSON value on standard output.
+fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| closed(error.into()))?;
+    print(&(text + "\n"))
+}
+
+fn closed(error: io::Error) -> Error {
+    Error::io("write", "<stdout>", error)
+}

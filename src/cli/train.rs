@@ -1,0 +1,98 @@
+//! `rollin train`
+
+use super::options::{Algorithm, LearnerOptions, Reading, ReadingName, TrainerOptions};
+use super::progress::Bar;
+use super::{Global, print, print_json};
+use crate::error::Result;
+use crate::report::{Table, grouped};
+use crate::seed::Seed;
+use crate::tasks::tagging::{About, Encoding, Tagger};
+use crate::trainer::Run;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Train a tagger and write its model file.
+#[derive(Args)]
+pub struct Train {
+    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence (- for
+    /// standard input)
+    #[arg(long, value_name = "FILE")]
+    data: PathBuf,
+    /// The model file to write
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// The trainer
+    #[arg(long, value_enum, default_value = "dagger-online", value_name = "NAME")]
+    algorithm: Algorithm,
+    /// How the model reads a mixture
+    #[arg(long, value_enum, default_value = "mean", value_name = "NAME")]
+    reading: ReadingName,
+    #[command(flatten)]
+    columns: Reading,
+    #[command(flatten)]
+    trainer: TrainerOptions,
+    #[command(flatten)]
+    learner: LearnerOptions,
+}
+
+impl Train {
+    pub fn run(&self, global: &Global) -> Result<()> {
+        let trainer = self.trainer.trainer(self.algorithm, true)?;
+        let learner = self.learner.learner()?;
+        let corpus = self.columns.corpus(&self.data)?;
+        let template = self.columns.template(&corpus)?;
+        let (encoding, space) = Encoding::learn(&corpus, self.columns.labels(), template, self.columns.order())?;
+        let problem = space.problem();
+
+        let bar = Bar::new(&self.algorithm.name(), global.quiet);
+        let watch = |progress: &_| bar.show(progress);
+        let trained = trainer.train(&problem, &learner, &Run { seed: Seed::new(global.seed), watch: &watch })?;
+        drop(bar);
+
+        let about = About {
+            trainer: to_json(&trainer),
+            learner: to_json(&learner),
+            seed: global.seed,
+            data: self.data.display().to_string(),
+            sentences: corpus.sentences(),
+            tokens: corpus.tokens(),
+            ledger: trained.ledger,
+        };
+        let tagger = Tagger::new(encoding, trained.policy.read_as(self.reading.into()), about)?;
+        tagger.save(&self.model)?;
+
+        if global.json {
+            return print_json(&serde_json::json!({
+                "model": self.model,
+                "about": tagger.about,
+                "rounds": trained.rounds,
+                "labels": tagger.encoding.labels,
+                "features": tagger.encoding.features(),
+            }));
+        }
+        let mut table = Table::new(["round", "cost per sentence", "labels", "expert acts", "roll-out acts", "seconds"]);
+        for round in &trained.rounds {
+            table.row([
+                round.round.to_string(),
+                if round.cost.is_nan() { "-".into() } else { format!("{:.3}", round.cost) },
+                grouped(round.ledger.labels as f64),
+                grouped(round.ledger.expert_acts as f64),
+                grouped(round.ledger.rollout_acts as f64),
+                format!("{:.2}", round.seconds),
+            ]);
+        }
+        print(&format!(
+            "{} sentences, {} tokens, {} labels, {} order\n\n{table}\nwrote {}\n",
+            grouped(corpus.sentences() as f64),
+            grouped(corpus.tokens() as f64),
+            tagger.encoding.labels.len(),
+            to_json(&tagger.encoding.transitions.order()).trim_matches('"'),
+            self.model.display(),
+        ))
+    }
+}
+
+/// Settings as text.
+pub fn to_json(settings: &impl serde::Serialize) -> String {
+    serde_json::to_string(settings).unwrap_or_default()
+}

@@ -1,0 +1,96 @@
+//! Training a tagger by name: any trainer with any learner.
+
+use super::tagger::Learned;
+use super::TaggingProblem;
+use crate::error::Result;
+use crate::learner::{Csoaa, Logistic, Online, Perceptron, Wap};
+use crate::policy::Linear;
+use crate::roll::Shortcut;
+use crate::space::Features;
+use crate::theory::ledgers::{self, Expected, Extent};
+use crate::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised, Trained};
+use serde::{Deserialize, Serialize};
+
+/// A trainer with its settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trainer {
+    /// [`Supervised`].
+    Supervised(Supervised),
+    /// [`Forward`].
+    Forward(Forward),
+    /// [`Smile`].
+    Smile(Smile),
+    /// [`Searn`] with roll-outs.
+    Searn(Searn),
+    /// [`Searn`] with the expert's own cost-to-go: [`Shortcut`].
+    SearnShortcut(Searn),
+    /// [`Dagger`] on the aggregate.
+    Dagger(Dagger),
+    /// [`Dagger`], online.
+    DaggerOnline(Dagger),
+}
+
+/// A learner with its settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AnyLearner {
+    /// [`Perceptron`].
+    Perceptron(Perceptron),
+    /// [`Logistic`].
+    Logistic(Logistic),
+    /// [`Csoaa`].
+    Csoaa(Csoaa),
+    /// [`Wap`].
+    Wap(Wap),
+}
+
+impl Trainer {
+    /// Trains on `problem` with `learner`.
+    ///
+    /// # Errors
+    /// When a setting is out of its range or the problem has no sentences.
+    pub fn train(&self, problem: &TaggingProblem, learner: &AnyLearner, run: &Run<'_>) -> Result<Trained<Learned>> {
+        match learner {
+            AnyLearner::Perceptron(learner) => self.train_with(problem, learner, run),
+            AnyLearner::Logistic(learner) => self.train_with(problem, learner, run),
+            AnyLearner::Csoaa(learner) => self.train_with(problem, learner, run),
+            AnyLearner::Wap(learner) => self.train_with(problem, learner, run),
+        }
+    }
+
+    fn train_with<L>(&self, problem: &TaggingProblem, learner: &L, run: &Run<'_>) -> Result<Trained<Learned>>
+    where
+        L: Online<Features, Classifier = Linear>,
+    {
+        Ok(match self {
+            Trainer::Supervised(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::Forward(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::Smile(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::Searn(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::SearnShortcut(trainer) => {
+                trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from)
+            }
+            Trainer::Dagger(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::DaggerOnline(trainer) => trainer.train_online(problem, learner, run)?.map(Learned::from),
+        })
+    }
+
+    /// What training on a problem of this extent is expected to cost.
+    pub fn expected(&self, extent: &Extent) -> Expected {
+        match self {
+            Trainer::Supervised(_) => ledgers::supervised(extent),
+            Trainer::Forward(_) => ledgers::forward(extent),
+            Trainer::Smile(smile) => ledgers::smile(extent, smile),
+            Trainer::Searn(searn) => ledgers::searn(extent, searn),
+            Trainer::SearnShortcut(searn) => ledgers::searn_shortcut(extent, searn),
+            Trainer::Dagger(dagger) => ledgers::dagger(extent, dagger),
+            Trainer::DaggerOnline(dagger) => ledgers::dagger_online(extent, dagger),
+        }
+    }
+
+    /// Whether what it trains is a mixture, which can be read in more than one way.
+    pub fn mixes(&self) -> bool {
+        matches!(self, Trainer::Smile(_) | Trainer::Searn(_) | Trainer::SearnShortcut(_))
+    }
+}

@@ -1,0 +1,3 @@
+//! What theory says beforehand.
+
+pub mod ledgers;
