@@ -1,5 +1,5 @@
-//! Corpora in columns, as in the shared tasks of CoNLL: one token a line, its columns separated by runs of spaces or tabs,
-//! blank lines between sentences.
+//! Corpora in columns, as in the shared tasks of CoNLL: one token a line, its columns separated by runs of spaces or
+//! tabs, blank lines between sentences.
 //!
 //! Only the ASCII space and tab separate columns: a no-break space is part of a word. Spaces, tabs and carriage returns
 //! at the end of a line are no part of it, and a line of nothing else is blank. A byte order mark before the first line
@@ -21,8 +21,8 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Corpus> {
     parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path, 1)
 }
 
-/// The corpus that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1 but
-/// for a block from the middle of a file.
+/// The corpus that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1
+/// but for a block from the middle of a file.
 ///
 /// # Errors
 /// With the exact place, when `text` is not UTF-8, has a NUL in it, has lines of different numbers of columns or no
@@ -89,14 +89,17 @@ impl Source<'_> {
         Ok((corpus.sentences() > 0).then_some(corpus))
     }
 
-    /// Gives `corpus` as many columns as its first line has, with room for a token on every line of the text.
+    /// Gives `corpus` as many columns as its first line has, with room for all the tokens there can be.
     fn open(&self, corpus: &mut Corpus, mut content: &str) {
-        let tokens = memchr_iter(b'\n', self.text).count() + 1;
-        corpus.lines.reserve(tokens);
+        let mut columns = 0;
         while let Ok((rest, _)) = cell(content) {
-            corpus.columns.push(Column { cells: Vec::with_capacity(tokens), ..Column::default() });
+            columns += 1;
             content = rest;
         }
+        // A cell takes two bytes at least, its separator included.
+        let tokens = (memchr_iter(b'\n', self.text).count() + 1).min(self.text.len() / (2 * columns).max(1) + 1);
+        corpus.lines.reserve(tokens);
+        corpus.columns.resize_with(columns, || Column { cells: Vec::with_capacity(tokens), ..Column::default() });
     }
 
     /// Appends the words of one line, which starts at byte `offset`, to the columns.
@@ -211,8 +214,8 @@ impl Block {
     }
 }
 
-/// A stream cut into blocks of whole sentences, so that a corpus of any size can be tagged in little memory: that of one
-/// block, which is as long as it must be to end where a sentence does.
+/// A stream cut into blocks of whole sentences, so that a corpus of any size can be tagged in little memory: that of
+/// one block, which is as long as it must be to end where a sentence does.
 pub struct Blocks<R> {
     input: R,
     size: usize,
@@ -315,6 +318,12 @@ mod tests {
         assert_eq!(corpus.word(0, 1), word);
         let corpus = read("w T\n".repeat(100_000).as_bytes()).expect("a corpus");
         assert_eq!((corpus.sentences(), corpus.tokens()), (1, 100_000));
+    }
+
+    #[test]
+    fn many_columns_reserve_no_more_than_the_text_can_hold() {
+        let text = "a ".repeat(50_000) + &"\n".repeat(1_000_000);
+        assert_eq!(read(text.as_bytes()).expect("a corpus").columns.len(), 50_000);
     }
 
     #[test]

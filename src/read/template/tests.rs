@@ -190,8 +190,8 @@ proptest! {
         }
     }
 
-    /// Features are equal exactly when their text and the words in it are: over 64 bits, a collision among the few thousand features of
-    /// a run has a probability below 1e-11.
+    /// Features are equal exactly when their text and the words in it are: over 64 bits, a collision among the few
+    /// thousand features of a run has a probability below 1e-11.
     #[test]
     fn features_are_their_strings(
         lines in prop::collection::vec((0..3u8, prop::collection::vec((any::<bool>(), -4..5i32, 0..2u32), 0..4)), 1..8),
@@ -224,7 +224,8 @@ proptest! {
                 bound.observe(sentence.clone(), token, &mut features);
                 prop_assert_eq!(features.len(), lines.len());
                 for ((name, cells), feature) in lines.iter().zip(features) {
-                    let found: Vec<_> = cells.iter().map(|&cell| naive(&corpus, sentence.clone(), token, cell)).collect();
+                    let words = cells.iter().map(|&cell| naive(&corpus, sentence.clone(), token, cell));
+                    let found: Vec<_> = words.collect();
                     let string = format!("{name}/{}", found.join("/"));
                     prop_assert_eq!(&*strings.entry(feature).or_insert_with(|| string.clone()), &string);
                     prop_assert_eq!(*hashes.entry(string).or_insert(feature), feature);
