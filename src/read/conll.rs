@@ -1,5 +1,5 @@
-//! Corpora in columns, as in the shared tasks of CoNLL: one token a line, its columns separated by runs of spaces or tabs,
-//! blank lines between sentences.
+//! Corpora in columns, as in the shared tasks of CoNLL: one token a line, its columns separated by runs of spaces or
+//! tabs, blank lines between sentences.
 //!
 //! Only the ASCII space and tab separate columns: a no-break space is part of a word. Spaces, tabs and carriage returns
 //! at the end of a line are no part of it, and a line of nothing else is blank. A byte order mark before the first line
@@ -21,8 +21,8 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Corpus> {
     parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path, 1)
 }
 
-/// The corpus that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1 but
-/// for a block from the middle of a file.
+/// The corpus that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1
+/// but for a block from the middle of a file.
 ///
 /// # Errors
 /// With the exact place, when `text` is not UTF-8, has a NUL in it, has lines of different numbers of columns or no
@@ -89,14 +89,17 @@ impl Source<'_> {
         Ok((corpus.sentences() > 0).then_some(corpus))
     }
 
-    /// Gives `corpus` as many columns as its first line has, with room for a token on every line of the text.
+    /// Gives `corpus` as many columns as its first line has, with room for all the tokens there can be.
     fn open(&self, corpus: &mut Corpus, mut content: &str) {
-        let tokens = memchr_iter(b'\n', self.text).count() + 1;
-        corpus.lines.reserve(tokens);
+        let mut columns = 0;
         while let Ok((rest, _)) = cell(content) {
-            corpus.columns.push(Column { cells: Vec::with_capacity(tokens), ..Column::default() });
+            columns += 1;
             content = rest;
         }
+        // A cell takes two bytes at least, its separator included.
+        let tokens = (memchr_iter(b'\n', self.text).count() + 1).min(self.text.len() / (2 * columns).max(1) + 1);
+        corpus.lines.reserve(tokens);
+        corpus.columns.resize_with(columns, || Column { cells: Vec::with_capacity(tokens), ..Column::default() });
     }
 
     /// Appends the words of one line, which starts at byte `offset`, to the columns.
@@ -211,18 +214,19 @@ impl Block {
     }
 }
 
-/// A stream cut into blocks of whole sentences, so that a corpus of any size can be tagged in little memory: that of one
-/// block, which is as long as it must be to end where a sentence does.
+/// A stream cut into blocks of whole sentences, so that a corpus of any size can be tagged in little memory: that of
+/// one block, which is as long as it must be to end where a sentence does.
 pub struct Blocks<R> {
     input: R,
     size: usize,
     line: usize,
+    failed: bool,
 }
 
 impl<R: BufRead> Blocks<R> {
-    /// The blocks of `input`, each of at least `size` lines but for the last.
+    /// The blocks of `input`, each of at least `size` lines but for the last; none after an error.
     pub fn new(input: R, size: usize) -> Self {
-        Blocks { input, size, line: 1 }
+        Blocks { input, size, line: 1, failed: false }
     }
 }
 
@@ -230,17 +234,204 @@ impl<R: BufRead> Iterator for Blocks<R> {
     type Item = std::io::Result<Block>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
         let mut block = Block { bytes: Vec::new(), first_line: self.line };
         loop {
             let start = block.bytes.len();
             match self.input.read_until(b'\n', &mut block.bytes) {
                 Ok(0) => return (start > 0).then_some(Ok(block)),
                 Ok(_) => self.line += 1,
-                Err(error) => return Some(Err(error)),
+                Err(error) => {
+                    self.failed = true;
+                    return Some(Err(error));
+                }
             }
             let blank = trimmed(&block.bytes[start..]) == 0;
             if blank && self.line - block.first_line >= self.size {
                 return Some(Ok(block));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::corpus::Separator;
+    use proptest::prelude::*;
+
+    fn read(text: &[u8]) -> Result<Corpus> {
+        parse(text, Path::new("text"), 1)
+    }
+
+    /// The words of each sentence, token by token.
+    fn sentences(corpus: &Corpus) -> Vec<Vec<Vec<String>>> {
+        let token = |t| (0..corpus.columns.len()).map(|c| corpus.word(c, t).to_owned()).collect();
+        (0..corpus.sentences()).map(|i| corpus.sentence(i).map(token).collect()).collect()
+    }
+
+    #[test]
+    fn everything_that_separates() {
+        let text = "\u{feff}\n \t\n a  b\r\nc\u{a0}c \t d \n\r\n\n\t\ne\rf\tg";
+        let corpus = read(text.as_bytes()).expect("a corpus");
+        assert_eq!(sentences(&corpus), [vec![["a", "b"], ["c\u{a0}c", "d"]], vec![["e\rf", "g"]]]);
+        assert_eq!(corpus.lines, [3, 4, 8]);
+        assert_eq!(corpus.starts, [0, 2, 3]);
+    }
+
+    #[test]
+    fn errors_say_where_and_what() {
+        let cases: [(&[u8], &str); 9] = [
+            (b"", "text:1:1: no sentence; expected lines of one token each"),
+            (b"\n \n", "text:3:1: no sentence; expected lines of one token each"),
+            (b"a b c\n\nd e\n", "text:3:4: 2 columns; expected 3 columns as on line 1"),
+            (b"\na\nd e  f\n", "text:3:3: 3 columns; expected 1 column as on line 2"),
+            ("é b\nè  b ç ç".as_bytes(), "text:2:6: 4 columns; expected 2 columns as on line 1"),
+            (b"a\nb\0", "text:2:2: a NUL byte; expected text in UTF-8, not a binary file"),
+            (b"a\nb \xe9t\xe9\n", "text:2:3: byte 0xe9, which is not UTF-8; expected text in UTF-8"),
+            (b"caf\xc3", "text:1:4: byte 0xc3, which is not UTF-8; expected text in UTF-8"),
+            (b"a\r\na b\r\n", "text:2:3: 2 columns; expected 1 column as on line 1"),
+        ];
+        for (text, expected) in cases {
+            let error = read(text).expect_err(expected);
+            assert!(matches!(error, Error::Data { .. }));
+            assert_eq!(error.to_string(), expected);
+        }
+        let error = parse(b"a\nb b", Path::new("text"), 11).expect_err("uneven");
+        assert_eq!(error.to_string(), "text:12:3: 2 columns; expected 1 column as on line 11");
+        let error = read_file("/no/such/file").expect_err("missing");
+        assert!(error.to_string().starts_with("cannot read /no/such/file: "), "{error}");
+    }
+
+    #[test]
+    fn a_byte_order_mark_counts_as_a_character_of_its_line() {
+        let error = read("\u{feff}a\n\nb c\n".as_bytes()).expect_err("uneven");
+        assert_eq!(error.to_string(), "text:3:3: 2 columns; expected 1 column as on line 1");
+    }
+
+    #[test]
+    fn huge_words_and_sentences() {
+        let word = "é".repeat(500_000);
+        let corpus = read(format!("{word} A\n").repeat(2).as_bytes()).expect("a corpus");
+        assert_eq!(corpus.word(0, 1), word);
+        let corpus = read("w T\n".repeat(100_000).as_bytes()).expect("a corpus");
+        assert_eq!((corpus.sentences(), corpus.tokens()), (1, 100_000));
+    }
+
+    #[test]
+    fn many_columns_reserve_no_more_than_the_text_can_hold() {
+        let text = "a ".repeat(50_000) + &"\n".repeat(1_000_000);
+        assert_eq!(read(text.as_bytes()).expect("a corpus").columns.len(), 50_000);
+    }
+
+    #[test]
+    fn lines_keep_their_ends() {
+        let block = Block { bytes: b"a b \r\n\t\nc".to_vec(), first_line: 1 };
+        let lines: Vec<_> = block.lines().map(|line| (line.text, line.end)).collect();
+        assert_eq!(lines, [(&b"a b"[..], &b" \r\n"[..]), (b"", b"\t\n"), (b"c", b"")]);
+    }
+
+    #[test]
+    fn a_block_ends_with_its_sentence() {
+        let blocks: Vec<_> = Blocks::new(&b"a\nb\n\n\nc\n \nd\ne"[..], 2).map(|block| block.expect("memory")).collect();
+        let bytes: Vec<_> = blocks.iter().map(|block| (&block.bytes[..], block.first_line)).collect();
+        assert_eq!(bytes, [(&b"a\nb\n\n"[..], 1), (b"\nc\n \n", 4), (b"d\ne", 7)]);
+        assert_eq!(Block { bytes: b" \n".to_vec(), first_line: 3 }.corpus(Path::new("text")).expect("blank"), None);
+    }
+
+    #[test]
+    fn nothing_follows_a_failure() {
+        struct Broken;
+        impl std::io::Read for Broken {
+            fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+                Err(std::io::Error::other("broken"))
+            }
+        }
+        let mut blocks = Blocks::new(std::io::BufReader::new(Broken), 1);
+        assert!(blocks.next().is_some_and(|block| block.is_err()));
+        assert!(blocks.next().is_none());
+    }
+
+    /// Text that is often a corpus: words, blanks of all kinds, and now and then something odd.
+    fn nearly_a_corpus() -> impl Strategy<Value = String> {
+        let piece = prop_oneof![
+            4 => "[ab]{1,2}",
+            1 => "\u{feff}|\u{a0}|é|\r|\u{2028}|%",
+            3 => Just(" ".to_owned()),
+            1 => "\t|  |\r\n",
+            3 => "\n|\n\n|\n \n",
+        ];
+        prop::collection::vec(piece, 0..40).prop_map(|pieces| pieces.concat())
+    }
+
+    /// Sentences of as many columns as asked for, of words that can be read.
+    fn words() -> impl Strategy<Value = Vec<Vec<Vec<String>>>> {
+        let word = "[^ \t\n\0]{0,3}[^ \t\r\n\0]";
+        (1..4usize).prop_flat_map(move |columns| {
+            let token = prop::collection::vec(word, columns);
+            prop::collection::vec(prop::collection::vec(token, 1..5), 1..5)
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_panic(text in prop::collection::vec(any::<u8>(), 0..60)) {
+            let _ = read(&text);
+        }
+
+        #[test]
+        fn reading_what_was_written_gives_it_back(words in words(), space in any::<bool>()) {
+            let mut corpus = Corpus::new("text", words[0][0].len());
+            let mut line = 0;
+            for sentence in &words {
+                for token in sentence {
+                    line += 1;
+                    corpus.push(&token.iter().map(String::as_str).collect::<Vec<_>>(), line);
+                }
+                line += 1;
+                corpus.end_sentence();
+            }
+            let mut text = Vec::new();
+            let separator = if space { Separator::Space } else { Separator::Tab };
+            corpus.write(&mut text, separator).expect("memory");
+            prop_assert_eq!(read(&text).expect("a corpus"), corpus);
+        }
+
+        #[test]
+        fn what_was_read_can_be_written(text in nearly_a_corpus()) {
+            if let Ok(corpus) = read(text.as_bytes()) {
+                let mut written = Vec::new();
+                corpus.write(&mut written, Separator::Tab).expect("memory");
+                prop_assert_eq!(sentences(&read(&written).expect("a corpus")), sentences(&corpus));
+            }
+        }
+
+        #[test]
+        fn blocks_are_the_stream(text in nearly_a_corpus(), size in 0..6usize, buffer in 1..9usize) {
+            let input = std::io::BufReader::with_capacity(buffer, text.as_bytes());
+            let blocks: Vec<_> = Blocks::new(input, size).map(|block| block.expect("memory")).collect();
+            let (last, others) = blocks.split_last().map_or((None, &[][..]), |(last, others)| (Some(last), others));
+            for block in others {
+                prop_assert!(block.lines().count() >= size);
+            }
+            prop_assert_eq!(last.is_none(), text.is_empty());
+            prop_assert_eq!(blocks.iter().flat_map(|block| block.bytes.clone()).collect::<Vec<_>>(), text.as_bytes());
+            for block in &blocks {
+                let lines: Vec<u8> = block.lines().flat_map(|line| [line.text, line.end].concat()).collect();
+                prop_assert_eq!(&lines, &block.bytes);
+            }
+            if let Ok(whole) = read(text.as_bytes()) {
+                let (mut found, mut lines) = (Vec::new(), Vec::new());
+                for block in &blocks {
+                    if let Some(corpus) = block.corpus(Path::new("text")).expect("part of a corpus") {
+                        found.extend(sentences(&corpus));
+                        lines.extend(corpus.lines);
+                    }
+                }
+                prop_assert_eq!(found, sentences(&whole));
+                prop_assert_eq!(lines, whole.lines);
             }
         }
     }

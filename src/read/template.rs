@@ -1,8 +1,8 @@
 //! Feature templates: the pattern language of CRF++ and Wapiti, compiled to integer hashes.
 //!
 //! Each line of a template is one pattern, and each pattern makes one feature at each token. The first character says
-//! what kind: `U` looks at the observed columns only, `B` also at the previous label, `*` stands for both lines at once.
-//! The rest of the line is text in which these stand for what is found at the token:
+//! what kind: `U` looks at the observed columns only, `B` also at the previous label, `*` stands for both lines at
+//! once. The rest of the line is text in which these stand for what is found at the token:
 //!
 //! | command               | stands for                                                                             |
 //! |-----------------------|----------------------------------------------------------------------------------------|
@@ -12,26 +12,29 @@
 //! | `%s[row,col,n]`       | the first `n` characters of the word's shape: A-Z as `X`, a-z as `x`, 0-9 as `d`       |
 //! | `%y[-k]`              | the label `k` tokens before                                                            |
 //!
-//! An upper-case letter (`%X`, `%T`, `%M`, `%S`) folds the result to lower case. `@` makes a row absolute, as in Wapiti:
-//! `%x[@1,0]` is the sentence's first word and `%x[@-1,0]` its last. Rows and labels reach no further than
-//! 100 tokens. A cell before the sentence reads as `_B-1` next to the first token, `_B-2` before that, and so on; after
-//! the sentence as `_B+1`, `_B+2`, ... .
+//! An upper-case letter (`%X`, `%T`, `%M`, `%S`) folds the result to lower case. `@` makes a row absolute, as in
+//! Wapiti: `%x[@1,0]` is the sentence's first word and `%x[@-1,0]` its last. Rows and labels reach no further than 100
+//! tokens. A cell before the sentence reads as `_B-1` next to the first token, `_B-2` before that, and so on; after the
+//! sentence as `_B+1`, `_B+2`, ... .
 //!
-//! A `#` begins a comment at the start of a line, or after a space outside a command. Two lines that differ only in rows
-//! and columns make the same features, a bag of words; a name such as `U01:` tells them apart.
+//! A `#` begins a comment at the start of a line, or after a space outside a command. Two lines that differ only in
+//! rows and columns make the same features, a bag of words; a name such as `U01:` tells them apart.
 //!
 //! Regular expressions are Wapiti's: `.` any character; `\d` digit, `\a` letter, `\l` lower-case and `\u` upper-case
-//! letter, `\w` letter or digit, `\p` punctuation, `\s` space (all ASCII), the upper-case letter for everything
-//! else; `\` before any other character for that character; `?` for at most one (one, if possible) and `*` for any number (the fewest
-//! possible) of what stands before it; `^` first and `$` last for the ends of the word. All else means itself.
+//! letter, `\w` letter or digit, `\p` punctuation, `\s` space (all ASCII), the upper-case letter for everything else;
+//! `\` before any other character for that character; `?` for at most one (one, if possible) and `*` for any number
+//! (the fewest possible) of what stands before it; `^` first and `$` last for the ends of the word. All else means
+//! itself.
 //!
 //! # Extensions
 //!
 //! CRF++ and Wapiti know neither `%s` nor `%y`, nor the following.
-//! - A pattern with `%y` is a history feature ([`Template::history`]). `B...` is the same as a `U...` line with one more
-//!   `%y[-1]` at its end, and a bare `B` the previous label alone.
-//! - The line `@pad <s> </s>` makes every cell before a sentence read as `<s>`, at any distance, and every cell after it as
-//!   `</s>`.
+//! - A pattern with `%y` is a history feature ([`Template::history`]). `B...` is the same as a `U...` line with one
+//!   more `%y[-1]` at its end, and a bare `B` the previous label alone.
+//! - The line `@pad <s> </s>` makes every cell before a sentence read as `<s>`, at any distance, and every cell after
+//!   it as `</s>`.
+//!
+//! Of Wapiti's language, only rows that are read from a column (`%x[*2,0]`) are missing: they are refused.
 //!
 //! ```
 //! use rollin::read::{conll, template::Template};
@@ -90,7 +93,8 @@ impl Template {
     /// The template that is `text`, which was read from `path`.
     ///
     /// # Errors
-    /// With its place, whatever is not of the language described in the [module's documentation](self), and when there is no pattern.
+    /// With its place, whatever is not of the language described in the [module's documentation](self), and when there
+    /// is no pattern.
     pub fn parse(text: &str, path: &Path) -> Result<Template> {
         let mut template = Template {
             text: text.to_owned(),
@@ -181,8 +185,8 @@ impl Template {
         }
     }
 
-    /// A template for corpora of which `columns` columns are observed: words in the first, tags or classes of any kind in the
-    /// others (at most 15 of which are looked at).
+    /// A template for corpora of which `columns` columns are observed: words in the first, tags or classes of any kind
+    /// in the others (at most 15 of which are looked at).
     pub fn default_for(columns: usize) -> Template {
         let mut text = if columns == 0 { "B\nU:%y[-1]%y[-2]\n".to_owned() } else { WORDS.to_owned() };
         for c in 1..columns.min(16) {

@@ -1,8 +1,8 @@
 //! Patterns compiled to tables of hashes and the order in which to mix them.
 //!
 //! The hash of a feature is a chain: it starts from the pattern's seed, which stands for all its text, and takes in the
-//! hash of each thing found at the token, from left to right, by a multiplication to 128 bits folded to 64 (the mixing step
-//! of wyhash and rapidhash). Equal seeds and equal findings give equal hashes; all else differs but for chance.
+//! hash of each thing found at the token, from left to right, by a multiplication to 128 bits folded to 64 (the mixing
+//! step of wyhash and rapidhash). Equal seeds and equal findings give equal hashes; all else differs but for chance.
 
 use super::Template;
 use super::pattern::{Part, Row};

@@ -154,7 +154,7 @@ fn translate(source: &str) -> Result<String, (usize, &'static str)> {
             },
             other => literal(other, &mut result),
         }
-        single = !matches!(character, '*' | '?') && !(character == '^' && at == 0);
+        single = !(matches!(character, '*' | '?') || character == '^' && at == 0);
     }
     Ok(result)
 }
