@@ -317,6 +317,22 @@ impl Corpus {
         }
     }
 
+    /// Keeps the first `sentences` sentences and gives the rest, as if they had stood in a source of their own.
+    pub fn split_off(&mut self, sentences: usize) -> Corpus {
+        let mut rest = Corpus::new(&self.path, self.columns.len());
+        for i in sentences..self.sentences() {
+            for token in self.sentence(i) {
+                for (column, from) in rest.columns.iter_mut().zip(&self.columns) {
+                    column.push(from.word(token));
+                }
+                rest.lines.push(self.lines[token]);
+            }
+            rest.end_sentence();
+        }
+        self.truncate(sentences);
+        rest
+    }
+
     /// Writes one line for each token and a blank line after each sentence. Reading this gives the corpus back, but
     /// for its path and line numbers.
     ///

@@ -1,5 +1,7 @@
 //! Structured prediction by learning to search: imitation learning treated as sequence labelling.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod corpus;
 pub mod error;
 pub mod grammar;
@@ -9,6 +11,7 @@ pub mod policy;
 pub mod read;
 pub mod report;
 pub mod roll;
+pub mod score;
 pub mod seed;
 pub mod space;
 pub mod tasks;

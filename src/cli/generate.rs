@@ -2,8 +2,8 @@
 
 use super::{Global, closed};
 use crate::error::Result;
-use crate::grammar::Grammar;
-use crate::seed::Seed;
+use crate::grammar::{Grammar, Sentence};
+use crate::seed::{Purpose, Seed};
 use clap::Args;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
@@ -19,6 +19,11 @@ pub struct Generate {
     count: usize,
 }
 
+/// The node that sentence `i` hangs below: that of [`Grammar::generate`].
+fn sentence_seed(seed: u64, i: usize) -> Seed {
+    Seed::new(seed).child(Purpose::Sentence, i as u64)
+}
+
 /// Sentences held at a time.
 const BLOCK: usize = 1024;
 
@@ -26,6 +31,13 @@ impl Generate {
     pub fn run(&self, global: &Global) -> Result<()> {
         let grammar = Grammar::read(&self.grammar)?;
         let mut out = BufWriter::new(io::stdout().lock());
-        todo!()
+        let mut left = 0..self.count;
+        while !left.is_empty() {
+            let block = left.start..self.count.min(left.start + BLOCK);
+            left.start = block.end;
+            let sentences: Vec<Sentence> = block.map(|i| grammar.sentence(sentence_seed(global.seed, i))).collect();
+            grammar.write(&sentences, &mut out).map_err(closed)?;
+        }
+        out.flush().map_err(closed)
     }
 }

@@ -19,7 +19,7 @@ pub struct Logistic {
 
 impl Default for Logistic {
     fn default() -> Self {
-        Logistic { passes: 5, rate: 0.2, l2: 0.0 }
+        Logistic { passes: 5, rate: 0.1, l2: 0.0 }
     }
 }
 

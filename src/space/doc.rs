@@ -55,6 +55,10 @@ impl Space for RealWorld {
         3
     }
 
+    fn horizon(&self, _: usize) -> Option<usize> {
+        Some(10)
+    }
+
     fn shared(&self) -> &FeatureTable {
         &NINE
     }

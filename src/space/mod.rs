@@ -68,6 +68,12 @@ pub trait Space: Sync {
     /// How many actions there are; every legal action is below it.
     fn actions(&self) -> usize;
 
+    /// How many steps the episode numbered `index` has, where that is known before it is run.
+    fn horizon(&self, index: usize) -> Option<usize> {
+        let _ = index;
+        None
+    }
+
     /// What all views of this space share, such as the static features of a corpus.
     fn shared(&self) -> &<Self::View as View>::Shared;
 }

@@ -6,7 +6,7 @@ use crate::learner::{Learner, Setting};
 use crate::policy::Ladder;
 use crate::roll;
 use crate::seed::Purpose;
-use crate::space::{Problem, ViewOf};
+use crate::space::{Problem, Space, ViewOf};
 use crate::worker::all;
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Where episodes differ in length, round i uses those that reach step i, and training ends with the longest; a longer episode
 /// later is finished by the last classifier. A run is stopped once its label is had: the steps after it, which the paper's listing
-/// lets the expert drive, bring nothing. So there are as many labels as steps, and L(L-1)/2 steps for an episode of length L.
+/// lets the expert drive, bring nothing. So there are as many labels as steps, and L(L-1)/2 steps for an episode of length L, where
+/// [`Space::horizon`] tells L; where it does not, an episode is run again though it has ended.
 ///
 /// ```
 /// use rollin::learner::Perceptron;
@@ -47,8 +48,9 @@ impl Forward {
     ) -> Result<Trained<Ladder<L::Classifier>>> {
         let mut book = Book::open(problem, run)?;
         let mut policy = Ladder::new();
-        let episodes = all(problem);
+        let mut episodes = all(problem);
         for i in 0.. {
+            episodes.retain(|index| problem.space().horizon(*index).is_none_or(|length| length > i));
             let seed = run.seed.child(Purpose::Round, 1 + i as u64);
             let data = book.bill(roll::labels_at(problem, &policy, i, &episodes, seed));
             if data.is_empty() {
@@ -57,7 +59,8 @@ impl Forward {
             let warm = policy.steps().last().filter(|_| self.warm);
             let classifier = learner.fit(Setting::of(problem), &data, warm, seed.child(Purpose::Learner, 0));
             policy.push(classifier);
-            book.round(i + 1, f64::NAN);
+            let longest = episodes.iter().filter_map(|index| problem.space().horizon(*index)).max();
+            book.round(longest.unwrap_or(i + 1), f64::NAN);
         }
         Ok(book.close(policy.without_expert()))
     }

@@ -90,11 +90,6 @@ impl Tagging {
         self.starts.len() - 1
     }
 
-    /// The lengths of the sentences: the horizons of the episodes.
-    pub fn horizons(&self) -> Vec<usize> {
-        self.starts.windows(2).map(|pair| (pair[1] - pair[0]) as usize).collect()
-    }
-
     /// The right labels, one a token; empty where they are not known.
     pub fn gold(&self) -> &[u32] {
         &self.gold
@@ -161,6 +156,10 @@ impl Space for Tagging {
 
     fn actions(&self) -> usize {
         self.labels
+    }
+
+    fn horizon(&self, index: usize) -> Option<usize> {
+        Some((self.starts[index + 1] - self.starts[index]) as usize)
     }
 
     fn shared(&self) -> &FeatureTable {
