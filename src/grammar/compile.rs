@@ -14,6 +14,9 @@ use crate::read::grammar::{Item, Name, Rule, Target, Tree, Weighted};
 /// The most words that may be expected from any nonterminal.
 pub const LONGEST: f64 = 1e6;
 
+/// The most nonterminals a grammar may have: its tables grow with their square, the time to solve it with their cube.
+pub const MOST: usize = 1000;
+
 /// Words with their shares, by index; the shares sum to 1.
 type Shares = BTreeMap<usize, f64>;
 
@@ -189,6 +192,9 @@ fn define(tree: &Tree) -> Result<Names<'_>> {
         tags: BTreeMap::new(),
         tag_names: Vec::new(),
     };
+    if let Some(rule) = tree.rules.get(MOST) {
+        return names.refuse(&rule.name, format!("one nonterminal more than {MOST}"), "fewer nonterminals");
+    }
     for (a, rule) in tree.rules.iter().enumerate() {
         match names.nonterminals.entry(&rule.name.text) {
             Entry::Vacant(entry) => entry.insert(a),

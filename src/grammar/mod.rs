@@ -12,7 +12,7 @@
 //!
 //! Refused, with the place in the text: a nonterminal or list that is not defined or defined twice, a choice that stands twice in
 //! one list, a list that is never used, a nonterminal that no sentence reaches or from which no sentence ends, weights so
-//! far apart that a share is zero in floating point, and more than [`LONGEST`] expected words from any nonterminal.
+//! far apart that a share is zero in floating point, more than [`LONGEST`] expected words from any nonterminal, and more than [`MOST`] nonterminals.
 //! Beyond that limit nothing can run away: since every nonterminal can end, a derivation ends with probability 1, and
 //! because the mean from *every* nonterminal is at most L, a sentence exceeds 2kL words with probability at most 2⁻ᵏ.
 //!
@@ -39,6 +39,8 @@ mod compile;
 pub mod defaults;
 mod generate;
 mod graph;
+#[cfg(test)]
+mod tests;
 mod wide;
 
 use std::collections::BTreeMap;
@@ -47,7 +49,7 @@ use std::path::Path;
 use ndarray::{Array1, Array2};
 
 pub use self::bayes::Posterior;
-pub use self::compile::LONGEST;
+pub use self::compile::{LONGEST, MOST};
 pub use self::generate::Sentence;
 pub use self::graph::{Automaton, Node};
 

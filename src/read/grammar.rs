@@ -6,8 +6,9 @@
 //! start Noun*3 Verb;                        # where sentences start, with weights; a weight left out is 1
 //! words kin = vel*3 oru "5th";              # a shared list of words with weights
 //! words all = @kin*2 tam;                   # two parts a word of kin, one part tam
-//! Noun -> { @kin tam*0.5 } { Verb*4 end }   # any word of the first braces, then any of the second
+//! Noun -> { @kin tam*0.5 } { Verb*4 end }   # a word of the first braces, then one of the second
 //!       | mor Noun *2;                      # another way, twice as likely: the one word mor, then Noun
+//! Verb -> @all { Noun Late end };           # braces around a single choice can be left out
 //! Late : Noun -> tam end;                   # a nonterminal that carries another tag than its own name
 //! ```
 //!
@@ -365,5 +366,107 @@ impl<'a> Source<'a> {
         let (i, _) = blank(i)?;
         let (i, statements) = many0(alt((|i| self.start(i), |i| self.list(i), |i| self.rule(i)))).parse(i)?;
         if i.is_empty() { Ok((i, statements)) } else { Err(nom::Err::Failure(Stop { at: i, expected: STATEMENT })) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const WHOLE: &str = "# a comment\nstart A*2 B; words kin = vel*3 oru \"5\\\"th\";\nA -> { @kin tam*.5 } { B*4e0 end } | mor A *2;\n\
+                         B-x : \",\" -> @kin end; B->oru B-x;#end";
+
+    fn refused(text: &str) -> String {
+        Tree::parse("g", text).expect_err(text).to_string()
+    }
+
+    #[test]
+    fn a_whole_grammar() {
+        let tree = Tree::parse("g", WHOLE).expect("well formed");
+        assert_eq!(
+            tree.start.iter().map(|s| (s.item.text.as_str(), s.weight)).collect::<Vec<_>>(),
+            [("A", 2.0), ("B", 1.0)]
+        );
+        assert_eq!(tree.lists.len(), 1);
+        assert_eq!(tree.lists[0].items[0].weight, 3.0);
+        let Item::Word(word) = &tree.lists[0].items[2].item else { panic!("a word") };
+        assert_eq!((word.text.as_str(), tree.place(word.offset).to_string()), ("5\"th", "g:2:36".to_string()));
+        assert_eq!(tree.rules.iter().map(|rule| rule.arms.len()).collect::<Vec<_>>(), [2, 1, 1]);
+        let arms = &tree.rules[0].arms;
+        assert_eq!((arms[0].weight, arms[1].weight), (1.0, 2.0));
+        assert_eq!((arms[0].item.words[1].weight, arms[0].item.next[0].weight), (0.5, 4.0));
+        assert!(matches!(&arms[0].item.next[1].item, Target::End(_)));
+        assert_eq!(tree.rules[1].name.text, "B-x");
+        assert_eq!(tree.rules[1].tag.as_ref().map(|tag| tag.text.as_str()), Some(","));
+    }
+
+    #[test]
+    fn every_error_tells_place_finding_and_expectation() {
+        let cases = [
+            ("", "g:1:1: no `start` up to the end of the text; expected `start` and a nonterminal, such as `start S;`"),
+            ("A -> a end;", "g:1:12: no `start` up"),
+            ("start A; start B;", "g:1:10: a second `start`; expected one `start`"),
+            ("= 3", "g:1:1: found `=`; expected `start`, `words` or a rule"),
+            ("start ;", "g:1:7: found `;`; expected a nonterminal at which sentences start"),
+            ("start end;", "g:1:7: found `end;`; expected a nonterminal at which"),
+            ("start A", "g:1:8: the text ends; expected a nonterminal, `*` and a weight, or `;`"),
+            ("start A*;", "g:1:9: found `;`; expected a weight: a positive finite number"),
+            ("start A*0;", "g:1:9: found `0;`; expected a weight"),
+            ("start A*-1;", "g:1:9: found `-1;`; expected a weight"),
+            ("start A*1e999;", "g:1:9: found `1e999;`; expected a weight"),
+            ("start A*1e-999;", "g:1:9: found `1e-999;`; expected a weight"),
+            ("start A*nan;", "g:1:9: found `nan;`; expected a weight"),
+            ("start A*2x;", "g:1:9: found `2x;`; expected a weight"),
+            ("words = a;", "g:1:7: found `=`; expected the name of the list"),
+            ("words w a;", "g:1:9: found `a;`; expected `=`"),
+            ("words w = ;", "g:1:11: found `;`; expected a word or `@`"),
+            ("words w = a, b;", "g:1:12: found `,`; expected a word, `@`"),
+            ("words w = @ ;", "g:1:12: the text ends"),
+            ("A a end;", "g:1:3: found `a`; expected `->`, or `:` and a tag"),
+            ("A : -> a end;", "g:1:5: found `->`; expected the tag"),
+            ("end -> a end;", "g:1:1: found `end`; expected `start`, `words` or a rule"),
+            ("A -> ;", "g:1:6: found `;`; expected a word, `@` and the name of a list, or `{`"),
+            ("A -> a;", "g:1:7: found `;`; expected the nonterminal that follows the word, `end` or `{`"),
+            ("A -> a*2 A;", "g:1:7: found `*2`; expected the nonterminal that follows"),
+            ("A -> { } A;", "g:1:8: found `}`; expected a word or `@` and the name of a list"),
+            (
+                "A -> { a -> end;",
+                "g:1:10: found `->`; expected a word, `@` and the name of a list, `*` and a weight, or `}`",
+            ),
+            ("A -> a { };", "g:1:10: found `};`; expected a nonterminal or `end`"),
+            ("A -> a { A \"b\" };", "g:1:12: found `\"b\"`; expected a nonterminal, `end`"),
+            ("A -> a A B;", "g:1:10: found `B;`; expected `|`, `*` and a weight, or `;`"),
+            ("A -> a A |;", "g:1:11: found `;`; expected a word"),
+            ("A -> \"\" A;", "g:1:7: found `\"`; expected at least one character"),
+            ("A -> \"a b\" A;", "g:1:8: found `b\"`; expected `\"` to close the word"),
+            ("A -> \"a\\n\" A;", "g:1:9: found `n\"`; expected `\\\"` or `\\\\`"),
+            ("# é\nA -> é \"ü\" *", "g:2:8: found `\"ü\"`; expected the nonterminal that follows"),
+        ];
+        for (text, expected) in cases {
+            let error = refused(text);
+            assert!(
+                error.starts_with(expected.trim_end_matches("the text ends")),
+                "{text:?}: {error}\n  not {expected}"
+            );
+            assert!(error.contains("; expected "), "{error}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_is_a_panic(text in "[A-c0-9 *@{}|:;>\"\\\\#.\n-]{0,60}|\\PC{0,40}") {
+            let _ = Tree::parse("g", &text);
+        }
+
+        /// A whole grammar with one character replaced is read or refused with a place inside the text.
+        #[test]
+        fn no_slip_is_a_panic(at in 0..WHOLE.len(), slip in "[A-c0-9 *@{}|:;>\"\\\\#.\n-]?") {
+            let mut text = WHOLE.to_owned();
+            text.replace_range(at..at + 1, &slip);
+            if let Err(Error::Data { place, .. }) = Tree::parse("g", &text) {
+                prop_assert!(place.line <= text.lines().count().max(1) + 1);
+            }
+        }
     }
 }
