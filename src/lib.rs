@@ -4,6 +4,7 @@ pub mod corpus;
 pub mod error;
 pub mod grammar;
 pub mod read;
+pub mod score;
 pub mod seed;
 
 pub use error::{Error, Place, Result};
