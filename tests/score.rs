@@ -76,6 +76,8 @@ fn a_chunk_is_correct_only_as_a_whole() {
     assert_eq!(chunks("B-NP I-NP", "B-NP B-NP"), [1, 2, 0]);
     assert_eq!(chunks("B-NP B-NP", "B-NP I-NP"), [2, 1, 0]);
     assert_eq!(chunks("B-NP | I-NP", "B-NP | O"), [2, 1, 1]);
+    // The script lets a chunk of another prefix, here NN, run on over a full stop until the types part.
+    assert_eq!(chunks("B-X NN . B-X", "B-X NN . NN"), [3, 2, 1]);
     // Another spelling of the same chunk is correct as a chunk, though its tokens are wrong.
     assert_eq!(chunks("O B-NP E-NP S-NP", "O I-NP I-NP B-NP"), [2, 2, 2]);
     assert_eq!(score("O B-NP E-NP S-NP", "O I-NP I-NP B-NP").right(), 1);
