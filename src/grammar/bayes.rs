@@ -1,8 +1,8 @@
 //! Exact labelling of a sentence: forward-backward (Baum et al. 1970) on the automaton.
 //!
 //! The labelling with the highest expected share of correct tags takes at every position the tag with the largest
-//! posterior: the sum over nonterminals that carry it. Its expected accuracy is the mean of these largest posteriors, and no
-//! labelling, however made, is better in expectation.
+//! posterior: the sum over nonterminals that carry it. Its expected accuracy is the mean of these largest posteriors,
+//! and no labelling, however made, is better in expectation.
 
 use ndarray::{Array1, Array2, ArrayView1};
 
@@ -46,7 +46,8 @@ impl Grammar {
     /// The posterior of every tag at every word; `None` if the grammar never makes this sentence, as it never makes the
     /// empty one.
     ///
-    /// Time and space grow with the number of words; words by the thousand neither underflow nor lose precision that shows.
+    /// Time and space grow with the number of words; words by the thousand neither underflow nor lose precision that
+    /// shows.
     pub fn posterior(&self, words: &[Word]) -> Option<Posterior> {
         if words.is_empty() || words.iter().any(|word| word.0 as usize >= self.words.len()) {
             return None;
@@ -90,8 +91,8 @@ impl Grammar {
         Some(Posterior { table, log_probability })
     }
 
-    /// `ahead[t, a]`: the probability of the words from t on and then the end, from nonterminal a; the last column is the
-    /// sentence's end, which is certain after the last word and impossible before.
+    /// `ahead[t, a]`: the probability of the words from t on and then the end, from nonterminal a; the last column is
+    /// the sentence's end, which is certain after the last word and impossible before.
     fn ahead(&self, words: &[Word]) -> Array2<Wide> {
         let end = self.start.len();
         let mut ahead = Array2::from_elem((words.len() + 1, end + 1), Wide::ZERO);
@@ -109,8 +110,8 @@ impl Grammar {
         ahead
     }
 
-    /// The labelling of `words` with the highest expected share of correct tags, ties to the lowest tag; `None` if the grammar
-    /// never makes this sentence.
+    /// The labelling of `words` with the highest expected share of correct tags, ties to the lowest tag; `None` if the
+    /// grammar never makes this sentence.
     pub fn label(&self, words: &[Word]) -> Option<Vec<Tag>> {
         Some(self.posterior(words)?.best())
     }

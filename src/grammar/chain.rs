@@ -1,6 +1,7 @@
 //! Expectations of an absorbing Markov chain by state reduction (Grassmann, Taksar & Heyman 1985): states are taken out
-//! from the last to the first, and the chance to leave a state is the sum of its ways out, never 1 minus the chance to stay.
-//! Without a subtraction nothing cancels, so a chain that ends once in 10¹² steps is solved to nearly full precision.
+//! from the last to the first, and the chance to leave a state is the sum of its ways out, never 1 minus the chance to
+//! stay. Without a subtraction nothing cancels, so a chain that ends once in 10¹² steps is solved to nearly full
+//! precision.
 
 use ndarray::{Array1, ArrayView2};
 
@@ -12,8 +13,8 @@ pub(super) struct Expectations {
     pub(super) length: Array1<f64>,
 }
 
-/// Solves the chain that starts at a with chance `start[a]` and steps from a to b with chance `step[a, b]`, where the last
-/// column is the end. Infinite or not a number where the chain never ends.
+/// Solves the chain that starts at a with chance `start[a]` and steps from a to b with chance `step[a, b]`, where the
+/// last column is the end. Infinite or not a number where the chain never ends.
 pub(super) fn solve(start: &Array1<f64>, step: ArrayView2<f64>) -> Expectations {
     let states = start.len();
     let mut step = step.to_owned();

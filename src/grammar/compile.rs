@@ -1,7 +1,7 @@
 //! From syntax tree to checked, flat tables.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::{Array1, Array2};
 
@@ -66,16 +66,16 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Adds `share` to `choice`, which must not stand in this list already.
-    fn once(&self, shares: &mut Shares, choice: usize, share: f64, name: &Name) -> Result<()> {
-        if shares.insert(choice, share).is_some() {
-            return self.refuse(
-                name,
-                format!("`{}` a second time in one list", name.text),
-                "one weight for each choice",
-            );
+    /// Adds `choice` with its share to a list, in which it must not stand already.
+    fn once(&self, shares: &mut Shares, (choice, share): (usize, f64), name: &Name) -> Result<()> {
+        match shares.insert(choice, share) {
+            None => Ok(()),
+            Some(_) => self.twice(name, &name.text),
         }
-        Ok(())
+    }
+
+    fn twice<T>(&self, name: &Name, choice: &str) -> Result<T> {
+        self.refuse(name, format!("`{choice}` a second time in one list"), "one weight for each choice")
     }
 
     /// The words of a list, where `lists` are the shared ones so far.
@@ -85,26 +85,21 @@ impl<'a> Names<'a> {
         at: &Name,
         lists: &mut BTreeMap<&'a str, Shared<'a>>,
     ) -> Result<Shares> {
-        let (mut own, mut seen, mut sum) = (Shares::new(), Vec::new(), Shares::new());
+        let (mut own, mut seen, mut sum) = (Shares::new(), BTreeSet::new(), Shares::new());
         for (item, share) in self.shares(items, at)? {
             match item {
                 Item::Word(word) => {
                     let w = intern(&mut self.words, &mut self.texts, &word.text);
-                    self.once(&mut own, w, share, word)?;
+                    self.once(&mut own, (w, share), word)?;
                 }
                 Item::List(name) => {
                     let Some(list) = lists.get_mut(name.text.as_str()) else {
                         let problem = format!("no list `{}` so far", name.text);
                         return self.refuse(name, problem, format!("`words {} = ...;` further up", name.text));
                     };
-                    if seen.contains(&&name.text) {
-                        return self.refuse(
-                            name,
-                            format!("`@{}` a second time in one list", name.text),
-                            "one weight for each choice",
-                        );
+                    if !seen.insert(&name.text) {
+                        return self.twice(name, &format!("@{}", name.text));
                     }
-                    seen.push(&name.text);
                     list.used = true;
                     for (&w, &part) in &list.shares {
                         *sum.entry(w).or_insert(0.0) += share * part;
@@ -139,8 +134,7 @@ pub(super) fn compile(tree: &Tree) -> Result<Grammar> {
     let mut names = define(tree)?;
     let arms = arms(&mut names)?;
     let start = start(&names)?;
-    let tag_of = tree.rules.iter().map(|rule| carried(rule)).collect::<Vec<_>>();
-    let tag_of = tag_of.iter().map(|name| Tag(names.tags[name] as u32)).collect();
+    let tag_of = tree.rules.iter().map(|rule| Tag(names.tags[carried(rule)] as u32)).collect();
 
     let states = tree.rules.len();
     let mut next = Array2::zeros((arms.owner.len(), states + 1));
@@ -156,8 +150,7 @@ pub(super) fn compile(tree: &Tree) -> Result<Grammar> {
     }
     let automaton = automaton(&names, &start, &step)?;
     let expected = chain::solve(&start, step.view());
-    // Not `>`, so that not-a-number is refused too.
-    if let Some(a) = expected.length.iter().position(|&length| !(length <= LONGEST)) {
+    if let Some(a) = expected.length.iter().position(|&length| length.is_nan() || length > LONGEST) {
         let name = &tree.rules[a].name;
         let problem = format!("{:.3e} words are expected from `{}` on", expected.length[a], name.text);
         return names.refuse(name, problem, format!("at most {LONGEST:e}, with more weight on ways to the end"));
@@ -213,7 +206,7 @@ fn start(names: &Names<'_>) -> Result<Array1<f64>> {
     let mut start = Shares::new();
     let at = Name { text: "start".into(), offset: names.tree.start.first().map_or(0, |first| first.item.offset) };
     for (name, share) in names.shares(&names.tree.start, &at)? {
-        names.once(&mut start, names.nonterminal(name)?, share, name)?;
+        names.once(&mut start, (names.nonterminal(name)?, share), name)?;
     }
     Ok((0..names.tree.rules.len()).map(|a| start.get(&a).copied().unwrap_or(0.0)).collect())
 }
@@ -234,8 +227,8 @@ fn arms(names: &mut Names<'_>) -> Result<Arms> {
             let mut next = Shares::new();
             for (target, chance) in names.shares(&arm.next, &rule.name)? {
                 match target {
-                    Target::Nonterminal(name) => names.once(&mut next, names.nonterminal(name)?, chance, name)?,
-                    Target::End(name) => names.once(&mut next, tree.rules.len(), chance, name)?,
+                    Target::Nonterminal(name) => names.once(&mut next, (names.nonterminal(name)?, chance), name)?,
+                    Target::End(name) => names.once(&mut next, (tree.rules.len(), chance), name)?,
                 }
             }
             arms.owner.push(a);

@@ -83,7 +83,8 @@ impl Grammar {
         sentence
     }
 
-    /// `count` sentences. Sentence i depends on `seed` and i alone, so a shorter run gives the first sentences of a longer.
+    /// `count` sentences. Sentence i depends on `seed` and i alone, so a shorter run gives the first sentences of a
+    /// longer.
     pub fn generate(&self, count: usize, seed: Seed) -> Vec<Sentence> {
         (0..count as u64).map(|i| self.sentence(seed.child(Purpose::Sentence, i))).collect()
     }

@@ -12,10 +12,10 @@
 //! Late : Noun -> tam end;                   # a nonterminal that carries another tag than its own name
 //! ```
 //!
-//! Names and bare words start with a letter or `_` and go on with letters, digits, `_`, `'` and inner hyphens; any other
-//! word, and any other tag after `:`, stands in double quotes, with `\"` and `\\` for a quote and a backslash, and holds
-//! no white space. `start` and `words` begin their statements and `end` ends a sentence, so no nonterminal has one
-//! of these three names. What the tree means, and what else is refused, is told in [`grammar`](crate::grammar).
+//! Names and bare words start with a letter or `_` and go on with letters, digits, `_`, `'` and inner hyphens; any
+//! other word, and any other tag after `:`, stands in double quotes, with `\"` and `\\` for a quote and a backslash,
+//! and holds no white space. `start` and `words` begin their statements and `end` ends a sentence, so no nonterminal
+//! has one of these three names. What the tree means, and what else is refused, is told in [`grammar`](crate::grammar).
 
 use std::path::{Path, PathBuf};
 
@@ -298,7 +298,9 @@ impl<'a> Source<'a> {
 
     fn item(self, i: &'a str) -> Read<'a, Item> {
         let list = preceded(char('@'), must("the name of a list straight after `@`", self.at(bare)));
-        alt((map(list, Item::List), map(|i| self.word(i), Item::Word))).parse(i)
+        // A reference stands where its `@` does.
+        let list = map(list, |name| Item::List(Name { offset: self.offset(i), ..name }));
+        alt((list, map(|i| self.word(i), Item::Word))).parse(i)
     }
 
     fn target(self, i: &'a str) -> Read<'a, Target> {
@@ -374,7 +376,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const WHOLE: &str = "# a comment\nstart A*2 B; words kin = vel*3 oru \"5\\\"th\";\nA -> { @kin tam*.5 } { B*4e0 end } | mor A *2;\n\
+    const WHOLE: &str = "# a comment\nstart A*2 B; words kin = vel*3 oru \"5\\\"th\";\nA -> { @kin tam*.5 } { B*4e0 end }\
+                         | mor A *2;\n\
                          B-x : \",\" -> @kin end; B->oru B-x;#end";
 
     fn refused(text: &str) -> String {
