@@ -5,7 +5,7 @@
 //! whatever rolls out alternatives (SEARN) demands `State: Clone`, because a reset *is* a clone. The main practical argument of Ross
 //! & Bagnell (2010, section 4), that SMILe needs no resets, is thereby checked by the compiler:
 //!
-//! ```compile_fail
+//! ```compile_fail,E0277
 //! use rollin::learner::Perceptron;
 //! use rollin::space::{Imitation, doc::{Follow, RealWorld}};
 //! use rollin::trainer::{Run, Searn};
@@ -33,7 +33,7 @@ pub mod doc;
 mod features;
 
 pub use actions::{Action, Actions};
-pub use features::{Features, FeatureTable, NO_ROW, StoredFeatures};
+pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
 
 use crate::seed::Seed;
 
