@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::learner::{Csoaa, Logistic, Perceptron, Wap};
 use crate::read::{conll, template::Template};
 use crate::tasks::tagging::{AnyLearner, LabelColumn, Order, Trainer};
-use crate::trainer::{Dagger, Forward, Searn, Smile, Supervised};
+use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
 use clap::{Args, ValueEnum};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -113,6 +113,38 @@ pub enum LearnerName {
     Wap,
 }
 
+/// How SMILe reuses samples, on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReuseName {
+    /// Not at all: Algorithm 4.1
+    None,
+    /// Algorithm 4.2 as printed
+    #[value(name = "4.2")]
+    Printed42,
+    /// Algorithm 4.3 as printed
+    #[value(name = "4.3")]
+    Printed43,
+    /// The exact form of 4.2
+    R1,
+    /// The exact form of 4.3
+    R2,
+    /// Exact, with the fewest new samples
+    Ageing,
+}
+
+impl From<ReuseName> for Reuse {
+    fn from(name: ReuseName) -> Self {
+        match name {
+            ReuseName::None => Reuse::None,
+            ReuseName::Printed42 => Reuse::Printed42,
+            ReuseName::Printed43 => Reuse::Printed43,
+            ReuseName::R1 => Reuse::Coins,
+            ReuseName::R2 => Reuse::Sites,
+            ReuseName::Ageing => Reuse::Ageing,
+        }
+    }
+}
+
 /// A trainer's settings.
 #[derive(Args)]
 pub struct TrainerOptions {
@@ -122,6 +154,9 @@ pub struct TrainerOptions {
     /// SMILe's mixing rate, above 0 and at most 1
     #[arg(long, value_name = "RATE")]
     alpha: Option<f64>,
+    /// How SMILe reuses samples of earlier rounds; `--reuse` alone means ageing [default: none]
+    #[arg(long, value_enum, value_name = "HOW", num_args = 0..=1, default_missing_value = "ageing")]
+    reuse: Option<ReuseName>,
     /// SEARN's mixing rate, above 0 and at most 1
     #[arg(long, value_name = "RATE")]
     beta: Option<f64>,
@@ -148,6 +183,7 @@ impl TrainerOptions {
         let applies = [
             ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F)),
             ("--alpha", self.alpha.is_some(), algorithm == M),
+            ("--reuse", self.reuse.is_some(), algorithm == M),
             ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut)),
             ("--rollouts", self.rollouts.is_some(), algorithm == S),
             ("--block", self.block.is_some(), algorithm == DaggerOnline),
@@ -182,6 +218,7 @@ impl TrainerOptions {
                     alpha: self.alpha.unwrap_or(default.alpha),
                     rounds: self.rounds.unwrap_or(default.rounds),
                     warm: self.warm,
+                    reuse: self.reuse.map_or(default.reuse, Reuse::from),
                 })
             }
             S => Trainer::Searn(searn()),

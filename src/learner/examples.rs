@@ -84,21 +84,28 @@ impl<V: View> Examples<V> {
     }
 }
 
+impl<V: View> Examples<V> {
+    /// Appends a copy of all of `other`.
+    pub fn extend_from(&mut self, other: &Self) {
+        let numbers: Vec<u32> = other.sets.lists.iter().map(|kept| self.sets.number(kept.actions())).collect();
+        self.views.extend_from(&other.views);
+        self.legal.extend(other.legal.iter().map(|set| numbers[*set as usize]));
+        let shift = self.costs.len();
+        self.targets.extend(other.targets.iter().map(|kept| match kept {
+            Kept::CostsFrom(start) => Kept::CostsFrom(start + shift),
+            label => *label,
+        }));
+        self.costs.extend_from_slice(&other.costs);
+    }
+}
+
 impl<V: View> Gather for Examples<V> {
     fn absorb(&mut self, later: Self) {
         if self.is_empty() {
             *self = later;
-            return;
+        } else {
+            self.extend_from(&later);
         }
-        let numbers: Vec<u32> = later.sets.lists.iter().map(|kept| self.sets.number(kept.actions())).collect();
-        self.views.absorb(later.views);
-        self.legal.extend(later.legal.into_iter().map(|set| numbers[set as usize]));
-        let shift = self.costs.len();
-        self.targets.extend(later.targets.into_iter().map(|kept| match kept {
-            Kept::CostsFrom(start) => Kept::CostsFrom(start + shift),
-            label => label,
-        }));
-        self.costs.extend(later.costs);
     }
 }
 

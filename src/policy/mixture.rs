@@ -1,7 +1,7 @@
 //! Stochastic mixtures of classifiers and the expert.
 
 use super::{Classifier, Policy};
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::seed::Purpose;
 use crate::space::{Action, Problem, ViewOf};
 use crate::worker::Visit;
@@ -53,7 +53,7 @@ impl<C> Mixture<C> {
     ///
     /// # Errors
     /// When there is no member, a weight is negative or not a number, or they do not sum to 1 within 1e-9.
-    pub fn of(members: Vec<(f64, C)>, reading: Reading) -> Result<Self> {
+    pub fn of(members: Vec<(f64, C)>, reading: Reading) -> crate::Result<Self> {
         let sum: f64 = members.iter().map(|(weight, _)| weight).sum();
         if members.is_empty() || members.iter().any(|(weight, _)| weight.is_nan() || *weight < 0.0) {
             return Err(Error::argument("weights", members.len(), "at least one, none of them negative"));
@@ -114,29 +114,66 @@ impl<C> Mixture<C> {
         self
     }
 
-    /// The member that `unit`, a number in [0, 1), falls to: the expert first, then the classifiers, each as long as its weight.
+    /// The member that `unit`, a number in [0, 1), falls to: the classifiers first, the oldest of them first, each as long as its weight;
+    /// then the expert. So when SMILe's n-th classifier takes over a part of the expert's share, the draws that change their member
+    /// are those that fall into that part.
     pub fn draw(&self, unit: f64) -> Member {
-        let mut below = self.expert;
-        if unit < below {
-            return Member::Expert;
-        }
-        let mut last = None;
-        for (i, (weight, _)) in self.members.iter().enumerate() {
+        self.draw_first(self.members.len(), unit)
+    }
+
+    /// The same for the mixture of SMILe's first `count` classifiers, whose expert still had what the later ones took from it.
+    pub(crate) fn draw_first(&self, count: usize, unit: f64) -> Member {
+        let rest = if count == self.members.len() { self.expert } else { 1.0 };
+        self.walk(count, unit).unwrap_or_else(|last| match last {
+            Some(last) if rest == 0.0 => Member::Classifier(last),
+            _ => Member::Expert,
+        })
+    }
+
+    /// The member that `unit` falls to when the first `count` classifiers share it in proportion to their weights, without the expert.
+    pub(crate) fn draw_taught(&self, count: usize, unit: f64) -> Member {
+        let sum: f64 = self.members[..count].iter().map(|(weight, _)| weight).sum();
+        self.walk(count, unit * sum).unwrap_or_else(|last| last.map_or(Member::Expert, Member::Classifier))
+    }
+
+    /// The classifier among the first `count` that `unit` falls to, or, where it falls beyond them, the last one that has weight.
+    fn walk(&self, count: usize, unit: f64) -> Result<Member, Option<usize>> {
+        let (mut below, mut last) = (0.0, None);
+        for (i, (weight, _)) in self.members[..count].iter().enumerate() {
             if *weight > 0.0 {
                 below += weight;
                 last = Some(i);
                 if unit < below {
-                    break;
+                    return Ok(Member::Classifier(i));
                 }
             }
         }
-        last.map_or(Member::Expert, Member::Classifier)
+        Err(last)
     }
 
     /// The same mixture with every classifier replaced by what `change` makes of it.
     pub fn map<D>(self, mut change: impl FnMut(C) -> D) -> Mixture<D> {
         let members = self.members.into_iter().map(|(weight, classifier)| (weight, change(classifier))).collect();
         Mixture { expert: self.expert, members, reading: self.reading }
+    }
+}
+
+impl<C> Mixture<C> {
+    /// What `member` does at `visit`.
+    pub(crate) fn act_as<P: Problem>(
+        &self,
+        member: Member,
+        visit: &mut Visit<'_, P>,
+        memory: &mut MixtureMemory<C::Memory>,
+    ) -> Action
+    where
+        C: Classifier<ViewOf<P>>,
+    {
+        memory.members.resize_with(self.members.len(), Default::default);
+        match member {
+            Member::Expert => visit.expert(),
+            Member::Classifier(i) => self.members[i].1.choose(&visit.sight(), &mut memory.members[i]),
+        }
     }
 }
 
@@ -159,10 +196,7 @@ impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
                 } else {
                     visit.seed().child(Purpose::Member, 0).unit()
                 };
-                match self.draw(unit) {
-                    Member::Expert => visit.expert(),
-                    Member::Classifier(i) => self.members[i].1.choose(&visit.sight(), &mut memory.members[i]),
-                }
+                self.act_as(self.draw(unit), visit, memory)
             }
             Reading::Vote => {
                 let sight = visit.sight();

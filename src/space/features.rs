@@ -93,12 +93,9 @@ impl Gather for StoredFeatures {
     fn absorb(&mut self, later: Self) {
         if self.rows.is_empty() {
             *self = later;
-            return;
+        } else {
+            self.extend_from(&later);
         }
-        let shift = self.dynamic.len();
-        self.rows.extend(later.rows);
-        self.ends.extend(later.ends.into_iter().map(|end| end + shift));
-        self.dynamic.extend(later.dynamic);
     }
 }
 
@@ -107,6 +104,13 @@ impl Store<Features> for StoredFeatures {
         self.rows.push(view.row);
         self.dynamic.extend_from_slice(&view.dynamic);
         self.ends.push(self.dynamic.len());
+    }
+
+    fn extend_from(&mut self, other: &Self) {
+        let shift = self.dynamic.len();
+        self.rows.extend_from_slice(&other.rows);
+        self.ends.extend(other.ends.iter().map(|end| end + shift));
+        self.dynamic.extend_from_slice(&other.dynamic);
     }
 
     fn len(&self) -> usize {

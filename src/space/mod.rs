@@ -90,6 +90,8 @@ pub trait View: Default + Send {
 pub trait Store<V>: Gather + Sync {
     /// Remembers `view`, which becomes the last.
     fn push(&mut self, view: &V);
+    /// Appends a copy of all of `other`.
+    fn extend_from(&mut self, other: &Self);
     /// How many views there are.
     fn len(&self) -> usize;
     /// Whether there is none.

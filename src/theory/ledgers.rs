@@ -8,10 +8,16 @@
 //! | supervised | S | S | 0 | 0 | S |
 //! | forward | S | 0 | 0 | 0 | sum L(L-1)/2 |
 //! | SMILe | N S | S (1-p_N)/alpha | 0 | 0 | N S |
+//! | SMILe reusing by 4.2, R1 | S + sum over n of sum L (1-(1-alpha)^L) | see below | 0 | 0 | as labels |
+//! | SMILe reusing by 4.3, R2, ageing | S + sum over n of sum L (1-(1-alpha p_{n-1})^L) | see below | 0 | 0 | as labels |
 //! | SEARN | 0 | S (1-p_N)/beta | N k sum A_t | k (1-p_N)/beta sum A_t (L-t) | N (S + k sum A_t (L-t+1)) |
 //! | SEARN, shortcut | N S | S (1-p_N)/beta | 0 | 0 | N S |
 //! | DAgger | N S | S | 0 | 0 | N S |
 //! | DAgger, online | N S | S times the first block's share of the episodes | 0 | 0 | N S |
+//!
+//! Sums over n are over the rounds but the first, n = 1, ..., N-1. With q for (1-alpha) or (1-alpha p_{n-1}), the expert acts S + sum over n of
+//! p_n sum L (1-q^(L-1)) times in all; for Algorithm 4.2 as printed the last term is (L-1)(1-q^L). What 4.3 and R2 run when their
+//! trajectories run dry comes on top.
 //!
 //! Steps t count from 1 here. Labels, roll-outs and steps are exact wherever episode lengths and A_t do not depend on what is done; acts are
 //! expectations, exact where p is 0 or 1. SEARN's A_t is taken along the expert's own trajectories: exact where all actions are always
@@ -23,19 +29,16 @@
 use crate::policy::Follow;
 use crate::seed::Seed;
 use crate::space::{Gather, Problem};
-use crate::trainer::{Dagger, Searn, Smile};
+use crate::trainer::{Dagger, Reuse, Searn, Smile};
 use crate::worker::{Ledger, all, sweep};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The sums over a problem's episodes that predictions need, along the expert's own trajectories.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extent {
-    /// Episodes.
-    pub episodes: f64,
-    /// S: the sum of the lengths L.
-    pub steps: f64,
-    /// The sum of L(L-1)/2.
-    pub prefixes: f64,
+    /// How many episodes have each length.
+    pub lengths: BTreeMap<usize, u64>,
     /// The sum of the numbers of legal actions over all states: A_t.
     pub choices: f64,
     /// The sum of A_t (L-t): what is still to be done after a choice, for every choice.
@@ -44,9 +47,9 @@ pub struct Extent {
 
 impl Gather for Extent {
     fn absorb(&mut self, later: Self) {
-        self.episodes += later.episodes;
-        self.steps += later.steps;
-        self.prefixes += later.prefixes;
+        for (length, count) in later.lengths {
+            *self.lengths.entry(length).or_default() += count;
+        }
         self.choices += later.choices;
         self.remainders += later.remainders;
     }
@@ -58,16 +61,21 @@ impl Extent {
         let run = |worker: &mut crate::worker::Worker<'_, P>, legal: &mut Vec<f64>, episode, extent: &mut Extent| {
             legal.clear();
             worker.roll_in(&Follow, &mut (), episode, |visit| legal.push(visit.legal().len() as f64));
-            let length = legal.len() as f64;
-            extent.absorb(Extent {
-                episodes: 1.0,
-                steps: length,
-                prefixes: length * (length - 1.0) / 2.0,
-                choices: legal.iter().sum(),
-                remainders: legal.iter().rev().enumerate().map(|(rest, n)| rest as f64 * n).sum(),
-            });
+            *extent.lengths.entry(legal.len()).or_default() += 1;
+            extent.choices += legal.iter().sum::<f64>();
+            extent.remainders += legal.iter().rev().enumerate().map(|(rest, n)| rest as f64 * n).sum::<f64>();
         };
         sweep(problem, &all(problem), Seed::new(0), run).0
+    }
+
+    /// The sum of `of(L)` over the episodes.
+    pub fn sum(&self, of: impl Fn(f64) -> f64) -> f64 {
+        self.lengths.iter().map(|(length, count)| *count as f64 * of(*length as f64)).sum()
+    }
+
+    /// S: the sum of the lengths.
+    pub fn steps(&self) -> f64 {
+        self.sum(|length| length)
     }
 }
 
@@ -114,29 +122,47 @@ fn shares(rate: f64, rounds: usize) -> f64 {
 
 /// All states of `passes` runs over the problem labelled, the expert driving at `acts` of them.
 fn labelled(extent: &Extent, passes: f64, acts: f64) -> Expected {
-    let all = passes * extent.steps;
+    let all = passes * extent.steps();
     Expected { labels: all, expert_acts: acts, queries: all, steps: all, examples: all, ..Expected::default() }
 }
 
 /// What [`Supervised`](crate::trainer::Supervised) costs.
 pub fn supervised(extent: &Extent) -> Expected {
-    labelled(extent, 1.0, extent.steps)
+    labelled(extent, 1.0, extent.steps())
 }
 
 /// What [`Forward`](crate::trainer::Forward) costs.
 pub fn forward(extent: &Extent) -> Expected {
-    Expected { steps: extent.prefixes, ..labelled(extent, 1.0, 0.0) }
+    Expected { steps: extent.sum(|l| l * (l - 1.0) / 2.0), ..labelled(extent, 1.0, 0.0) }
 }
 
 /// What [`Smile`] costs.
 pub fn smile(extent: &Extent, smile: &Smile) -> Expected {
-    labelled(extent, smile.rounds as f64, extent.steps * shares(smile.alpha, smile.rounds))
+    // In round n: the chance that no step of an episode changes hands is kept(n)^L.
+    let kept: fn(f64, f64) -> f64 = match smile.reuse {
+        Reuse::None => {
+            return labelled(extent, smile.rounds as f64, extent.steps() * shares(smile.alpha, smile.rounds));
+        }
+        Reuse::Printed42 | Reuse::Coins => |a, _| 1.0 - a,
+        Reuse::Printed43 | Reuse::Sites | Reuse::Ageing => |a, before| 1.0 - a * before,
+    };
+    let (mut labels, mut acts) = (extent.steps(), extent.steps());
+    for n in 1..smile.rounds as i32 {
+        let (p, before) = ((1.0 - smile.alpha).powi(n), (1.0 - smile.alpha).powi(n - 1));
+        let kept = kept(smile.alpha, before);
+        labels += extent.sum(|l| l * (1.0 - kept.powf(l)));
+        acts += p * match smile.reuse {
+            Reuse::Printed42 => extent.sum(|l| (l - 1.0) * (1.0 - kept.powf(l))),
+            _ => extent.sum(|l| l * (1.0 - kept.powf(l - 1.0))),
+        };
+    }
+    Expected { labels, expert_acts: acts, queries: labels, steps: labels, examples: labels, ..Expected::default() }
 }
 
 /// What [`Searn::train`] costs.
 pub fn searn(extent: &Extent, searn: &Searn) -> Expected {
     let (n, k, drawn) = (searn.rounds as f64, searn.samples as f64, shares(searn.beta, searn.rounds));
-    let (expert_acts, rollout_acts) = (drawn * extent.steps, drawn * k * extent.remainders);
+    let (expert_acts, rollout_acts) = (drawn * extent.steps(), drawn * k * extent.remainders);
     let rollouts = n * k * extent.choices;
     Expected {
         labels: 0.0,
@@ -145,23 +171,23 @@ pub fn searn(extent: &Extent, searn: &Searn) -> Expected {
         queries: expert_acts + rollout_acts,
         rollouts,
         resets: rollouts,
-        steps: n * (extent.steps + k * (extent.remainders + extent.choices)),
-        examples: n * extent.steps,
+        steps: n * (extent.steps() + k * (extent.remainders + extent.choices)),
+        examples: n * extent.steps(),
     }
 }
 
 /// What [`Searn::train_by`] costs with the [`Shortcut`](crate::roll::Shortcut).
 pub fn searn_shortcut(extent: &Extent, searn: &Searn) -> Expected {
-    labelled(extent, searn.rounds as f64, extent.steps * shares(searn.beta, searn.rounds))
+    labelled(extent, searn.rounds as f64, extent.steps() * shares(searn.beta, searn.rounds))
 }
 
 /// What [`Dagger::train`] costs.
 pub fn dagger(extent: &Extent, dagger: &Dagger) -> Expected {
-    labelled(extent, dagger.rounds as f64, extent.steps)
+    labelled(extent, dagger.rounds as f64, extent.steps())
 }
 
 /// What [`Dagger::train_online`] costs.
 pub fn dagger_online(extent: &Extent, dagger: &Dagger) -> Expected {
-    let first = (dagger.block as f64 / extent.episodes).min(1.0);
-    labelled(extent, dagger.rounds as f64, extent.steps * first)
+    let first = (dagger.block as f64 / extent.sum(|_| 1.0)).min(1.0);
+    labelled(extent, dagger.rounds as f64, extent.steps() * first)
 }

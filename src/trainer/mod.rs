@@ -10,12 +10,14 @@
 
 mod dagger;
 mod forward;
+mod reuse;
 mod searn;
 mod smile;
 mod supervised;
 
 pub use dagger::Dagger;
 pub use forward::Forward;
+pub use reuse::Reuse;
 pub use searn::Searn;
 pub use smile::Smile;
 pub use supervised::Supervised;

@@ -1,5 +1,6 @@
 //! SMILe (Ross & Bagnell 2010, section 4, Algorithm 4.1).
 
+use super::reuse::{Pool, Reuse};
 use super::{Book, Run, Trained, check_rate, check_rounds};
 use crate::error::Result;
 use crate::learner::{Learner, Setting};
@@ -35,11 +36,13 @@ pub struct Smile {
     pub rounds: usize,
     /// Whether each classifier starts from the one before.
     pub warm: bool,
+    /// How trajectories of earlier rounds are reused.
+    pub reuse: Reuse,
 }
 
 impl Default for Smile {
     fn default() -> Self {
-        Smile { alpha: 0.2, rounds: 7, warm: false }
+        Smile { alpha: 0.2, rounds: 7, warm: false, reuse: Reuse::None }
     }
 }
 
@@ -47,7 +50,8 @@ impl Smile {
     /// Trains on `problem` with `learner`.
     ///
     /// # Errors
-    /// When alpha is outside (0, 1], there are no rounds or the problem has no episodes.
+    /// When alpha is outside (0, 1], there are no rounds, the problem has no episodes, or they have no known horizons and the kind of reuse
+    /// needs them.
     pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
         problem: &P,
@@ -58,9 +62,14 @@ impl Smile {
         check_rounds(self.rounds)?;
         let mut book = Book::open(problem, run)?;
         let mut policy = Mixture::of_expert(); // pi^0 <- pi*
+        let mut pool = Pool::new(self.reuse, self.alpha, run.seed);
         for i in 1..=self.rounds {
             let seed = run.seed.child(Purpose::Round, i as u64);
-            let round = book.bill(roll::labels(problem, &policy, &all(problem), seed)); // execute pi^{i-1}
+            // Execute pi^{i-1}.
+            let round = book.bill(match self.reuse {
+                Reuse::None => roll::labels(problem, &policy, &all(problem), seed),
+                _ => pool.refresh(problem, &policy, seed)?,
+            });
             let warm = policy.members().last().map(|(_, classifier)| classifier).filter(|_| self.warm);
             let classifier = learner.fit(Setting::of(problem), &round.examples, warm, seed.child(Purpose::Learner, 0));
             policy.replace_expert(self.alpha, classifier); // pi^i = (1-alpha)^i pi* + alpha sum_j (1-alpha)^(j-1) pihat*^j

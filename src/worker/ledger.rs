@@ -22,7 +22,7 @@ pub struct Ledger {
     pub resets: u64,
     /// Steps of the environment, of roll-ins and roll-outs alike.
     pub steps: u64,
-    /// Training examples handed to a learner.
+    /// Training examples made: states recorded with what is to be learned there.
     pub examples: u64,
 }
 

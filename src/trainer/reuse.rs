@@ -1,0 +1,294 @@
+//! Sample reuse for SMILe (Ross & Bagnell 2010, section 4, "Sample Complexity"): the procedures as printed, and exact ones.
+//!
+//! D_n is to be a sample from the states of pi^n, and much of D_{n-1} would do: on most steps pi^n acts as pi^{n-1} did.
+//! A trajectory lives in a slot, one for each episode of a round. In each round a slot keeps its trajectory, takes one from another
+//! slot, or is run anew; only what is run anew is billed.
+//!
+//! Write a for alpha, p_n = (1-a)^n, T for a trajectory's length, beta_n = (1-p_{n-1})/(1-p_n), hat*^n for the newest classifier,
+//! hat^n = p_{n-1} hat*^n + (1-p_{n-1}) pitilde^{n-1}, so that pi^n = (1-a) pi^{n-1} + a hat^n.
+//!
+//! | procedure | kept with probability | run anew by | exact |
+//! |---|---|---|---|
+//! | [`Reuse::Printed42`] | (1-a)^T | pi^n, but hat^n at one uniform step | only for T = 1 |
+//! | [`Reuse::Coins`] (R1) | (1-a)^T | a coin a step: heads hat^n, tails pi^{n-1}, not all tails | yes |
+//! | [`Reuse::Printed43`] | beta_n^k, from those with as many non-expert steps k | expert, but hat*^n at the first of k uniform sites and pitilde^n at the others | only for k = 1 or n = 1 |
+//! | [`Reuse::Sites`] (R2) | beta_n^k, likewise | expert, but at the k sites pitilde^{n-1}, up to a site I where hat*^n acts, pitilde^n after it; P(I=i) ~ beta_n^(i-1) | yes |
+//! | [`Reuse::Ageing`] (R3) | (1-a p_{n-1})^T | pi^n under the labels that the slot's steps now have | yes |
+//!
+//! Why the printed ones are not: given that the new policy acts at least once, the number of its steps is a zero-truncated binomial, but
+//! one forced step and independent others make a size-biased one, which has too many.
+//!
+//! *Ageing.* Every step of a slot carries a label for good: the expert's until, in each round with probability a, it becomes the newest
+//! classifier's. The labels are then independent draws from pi^n at all times. Where none changed, the trajectory is one that
+//! pi^n would have made, and stays.
+//!
+//! What the paper leaves open is decided so: a round has as many trajectories as episodes (the printed `<=` would make one more). A trajectory
+//! is picked from those of the same length. When none with k non-expert steps is left, one is run: the expert everywhere but
+//! pitilde^{n-1} at k uniform sites, which is what those in the bucket are.
+//!
+//! Reused trajectories are not independent of the classifiers trained on them: measure errors and costs on fresh ones.
+
+use crate::error::{Error, Result};
+use crate::learner::{Examples, Target};
+use crate::policy::{Classifier, Member, Mixture, MixtureMemory};
+use crate::roll::Round;
+use crate::seed::{Purpose, Seed};
+use crate::space::{Problem, Space, ViewOf};
+use crate::worker::{Ledger, all, sweep};
+use rand::seq::index;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How SMILe reuses trajectories of earlier rounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reuse {
+    /// Not at all: Algorithm 4.1.
+    #[default]
+    #[serde(rename = "none")]
+    None,
+    /// Algorithm 4.2 as printed.
+    #[serde(rename = "4.2")]
+    Printed42,
+    /// Algorithm 4.3 as printed.
+    #[serde(rename = "4.3")]
+    Printed43,
+    /// R1, the exact form of Algorithm 4.2.
+    #[serde(rename = "r1")]
+    Coins,
+    /// R2, the exact form of Algorithm 4.3.
+    #[serde(rename = "r2")]
+    Sites,
+    /// R3: as few new samples as 4.3, exact, for any horizon, and never short of trajectories.
+    #[serde(rename = "ageing")]
+    Ageing,
+}
+
+/// Who acts at a step of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    /// The expert.
+    Expert,
+    /// hat*^n.
+    Newest,
+    /// hat^n.
+    Hat,
+    /// pi^m, expert included.
+    Whole(usize),
+    /// pitilde^m, without the expert.
+    Taught(usize),
+}
+
+/// What becomes of a slot.
+#[derive(Clone, Debug)]
+enum Plan {
+    /// It keeps its trajectory.
+    Keep,
+    /// It takes what that slot had.
+    Take(usize),
+    /// It is run anew: one role at all steps.
+    All(Role),
+    /// One role at all steps but these.
+    But(Role, BTreeMap<usize, Role>),
+    /// At every step a coin, keyed by the run.
+    Coins,
+}
+
+/// One run of an episode, labelled.
+struct Trajectory<P: Problem> {
+    examples: Examples<ViewOf<P>>,
+    /// Steps.
+    length: usize,
+    /// Steps at which the expert did not act.
+    taught: usize,
+    cost: f64,
+}
+
+impl<P: Problem> Trajectory<P> {
+    fn new() -> Self {
+        Trajectory { examples: Examples::default(), length: 0, taught: 0, cost: 0.0 }
+    }
+}
+
+/// The trajectories of all slots.
+pub(super) struct Pool<P: Problem> {
+    reuse: Reuse,
+    alpha: f64,
+    /// Where a slot's draws of members hang: the round's node, or for ageing one for good.
+    seed: Seed,
+    slots: Vec<Trajectory<P>>,
+}
+
+impl<P: Problem> Pool<P> {
+    /// An empty pool.
+    pub fn new(reuse: Reuse, alpha: f64, seed: Seed) -> Self {
+        Pool { reuse, alpha, seed: seed.child(Purpose::Member, 0), slots: Vec::new() }
+    }
+
+    /// Makes D_n for the mixture pi^n from D_{n-1}: returns all of it, and the bill of what was run anew.
+    pub fn refresh<C: Classifier<ViewOf<P>>>(
+        &mut self,
+        problem: &P,
+        policy: &Mixture<C>,
+        seed: Seed,
+    ) -> Result<(Round<P>, Ledger)> {
+        let n = policy.members().len();
+        let plans: Vec<Plan> = if self.slots.is_empty() {
+            vec![Plan::All(Role::Whole(n)); problem.episodes()]
+        } else {
+            self.plans(problem, policy, seed)?
+        };
+        let fresh = |index: &usize| !matches!(plans[*index], Plan::Keep | Plan::Take(_));
+        let episodes: Vec<usize> = all(problem).into_iter().filter(fresh).collect();
+        let (runs, bill) =
+            sweep(problem, &episodes, seed, |worker, memory: &mut MixtureMemory<C::Memory>, episode, runs| {
+                let mut run = Trajectory::new();
+                run.cost = worker.episode(episode, |visit| {
+                    if let Some(label) = visit.label() {
+                        visit.record(&mut run.examples, Target::Label(label));
+                    }
+                    let step = self.step_seed(episode.index, episode.seed, visit.t());
+                    let member = self.member(policy, self.role(&plans[episode.index], visit.t(), step, n), step);
+                    run.length += 1;
+                    run.taught += usize::from(member != Member::Expert);
+                    Some(policy.act_as(member, visit, memory))
+                });
+                Vec::push(runs, run);
+            });
+        let mut runs = runs.into_iter();
+        let mut old: Vec<Option<Trajectory<P>>> = std::mem::take(&mut self.slots).into_iter().map(Some).collect();
+        for (index, plan) in plans.iter().enumerate() {
+            let next = match plan {
+                Plan::Keep => old[index].take(),
+                Plan::Take(other) => old[*other].take(),
+                _ => runs.next(),
+            };
+            self.slots.push(next.unwrap_or_else(Trajectory::new));
+        }
+        let mut round = Round::default();
+        for slot in &self.slots {
+            round.examples.extend_from(&slot.examples);
+            round.cost += slot.cost;
+        }
+        Ok((round, bill))
+    }
+
+    /// The node of a step's draws in a slot's run.
+    fn step_seed(&self, slot: usize, run: Seed, t: usize) -> Seed {
+        let run = if self.reuse == Reuse::Ageing { self.seed.child(Purpose::Episode, slot as u64) } else { run };
+        run.child(Purpose::Member, t as u64)
+    }
+
+    fn role(&self, plan: &Plan, t: usize, step: Seed, n: usize) -> Role {
+        match plan {
+            Plan::All(role) => *role,
+            Plan::But(role, others) => *others.get(&t).unwrap_or(role),
+            Plan::Coins if self.heads(step) => Role::Hat,
+            _ => Role::Whole(n - 1),
+        }
+    }
+
+    /// p_n.
+    fn share(&self, n: usize) -> f64 {
+        (1.0 - self.alpha).powi(n as i32)
+    }
+
+    fn heads(&self, step: Seed) -> bool {
+        step.child(Purpose::Deviation, 0).unit() < self.alpha
+    }
+
+    /// The member that `role` means at a step.
+    fn member<C>(&self, policy: &Mixture<C>, role: Role, step: Seed) -> Member {
+        let unit = step.child(Purpose::Member, 0).unit();
+        let n = policy.members().len();
+        let before = self.share(n.saturating_sub(1));
+        match role {
+            Role::Expert => Member::Expert,
+            Role::Newest => Member::Classifier(n - 1),
+            Role::Whole(m) => policy.draw_first(m, unit),
+            Role::Taught(m) => policy.draw_taught(m, unit),
+            // p_{n-1} hat*^n + (1-p_{n-1}) pitilde^{n-1}
+            Role::Hat if unit < before || n == 1 => Member::Classifier(n - 1),
+            Role::Hat => policy.draw_taught(n - 1, (unit - before) / (1.0 - before)),
+        }
+    }
+
+    /// What becomes of each slot; the pool holds D_{n-1}.
+    fn plans<C>(&self, problem: &P, policy: &Mixture<C>, seed: Seed) -> Result<Vec<Plan>> {
+        let n = policy.members().len();
+        let whole = Plan::All(Role::Whole(n));
+        let run = |slot: usize| seed.child(Purpose::Episode, slot as u64);
+        let steps = |slot: usize| (0..self.slots[slot].length).map(move |t| self.step_seed(slot, run(slot), t));
+        let each = |plan: &dyn Fn(usize) -> Plan| (0..self.slots.len()).map(plan).collect();
+        Ok(match self.reuse {
+            Reuse::None => each(&|_| whole.clone()),
+            Reuse::Ageing => each(&|slot| {
+                let newest = |step| self.member(policy, Role::Whole(n), step) == Member::Classifier(n - 1);
+                if steps(slot).any(newest) { whole.clone() } else { Plan::Keep }
+            }),
+            Reuse::Coins => {
+                each(&|slot| if steps(slot).any(|step| self.heads(step)) { Plan::Coins } else { Plan::Keep })
+            }
+            Reuse::Printed42 => {
+                let lengths = self.lengths(problem)?;
+                each(&|slot| {
+                    let draw = run(slot).child(Purpose::Deviation, 0);
+                    if draw.unit() <= (1.0 - self.alpha).powi(lengths[slot] as i32) {
+                        return Plan::Keep;
+                    }
+                    let site = (draw.child(Purpose::Step, 0).unit() * lengths[slot] as f64) as usize;
+                    Plan::But(Role::Whole(n), BTreeMap::from([(site, Role::Hat)]))
+                })
+            }
+            Reuse::Printed43 | Reuse::Sites => self.by_sites(&self.lengths(problem)?, policy, &run),
+        })
+    }
+
+    /// Algorithm 4.3 and R2: how many steps are not the expert's is drawn first.
+    fn by_sites<C>(&self, lengths: &[usize], policy: &Mixture<C>, run: &dyn Fn(usize) -> Seed) -> Vec<Plan> {
+        let n = policy.members().len();
+        let (p, before) = (self.share(n), self.share(n - 1));
+        let beta = (1.0 - before) / (1.0 - p);
+        // D_{n-1}^k, for each length.
+        let mut buckets: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+        for (slot, trajectory) in self.slots.iter().enumerate().rev() {
+            buckets.entry((trajectory.length, trajectory.taught)).or_default().push(slot);
+        }
+        let plan = |(slot, &length): (usize, &usize)| {
+            let draw = run(slot).child(Purpose::Deviation, 0);
+            let mut rng = draw.rng();
+            let unit = |i: u64| draw.child(Purpose::Step, i).unit();
+            let k = (0..length as u64).filter(|t| draw.child(Purpose::Member, *t).unit() < 1.0 - p).count();
+            let kept = beta.powi(k as i32);
+            let sites = index::sample(&mut rng, length, k).into_iter();
+            if k == 0 || unit(0) <= kept {
+                if let Some(from) = buckets.get_mut(&(length, k)).and_then(Vec::pop) {
+                    return Plan::Take(from);
+                }
+                return Plan::But(Role::Expert, sites.map(|t| (t, Role::Taught(n - 1))).collect());
+            }
+            let first = match self.reuse {
+                // P(I = i) ~ beta^(i-1), i = 1..k.
+                Reuse::Sites => {
+                    let target = unit(1) * (1.0 - kept);
+                    (0..k).find(|i| target < 1.0 - beta.powi(*i as i32 + 1)).unwrap_or(k - 1)
+                }
+                _ => 0,
+            };
+            let role = |i: usize| match i.cmp(&first) {
+                std::cmp::Ordering::Less => Role::Taught(n - 1),
+                std::cmp::Ordering::Equal => Role::Newest,
+                std::cmp::Ordering::Greater => Role::Taught(n),
+            };
+            Plan::But(Role::Expert, sites.enumerate().map(|(i, t)| (t, role(i))).collect())
+        };
+        lengths.iter().enumerate().map(plan).collect()
+    }
+
+    /// The lengths of the episodes, which these procedures must know beforehand.
+    fn lengths(&self, problem: &P) -> Result<Vec<usize>> {
+        let length = |index| problem.space().horizon(index);
+        all(problem).into_iter().map(length).collect::<Option<_>>().ok_or_else(|| {
+            Error::argument("reuse", format!("{:?}", self.reuse), "ageing or r1: this space does not know its horizons")
+        })
+    }
+}
