@@ -34,7 +34,7 @@ struct Global {
     #[arg(long, global = true, default_value_t = 1, value_name = "N")]
     seed: u64,
     /// Threads; the results do not depend on it [default: one per core]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// No progress on standard error
     #[arg(long, short, global = true)]

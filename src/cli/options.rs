@@ -163,9 +163,6 @@ pub struct TrainerOptions {
     /// SEARN's roll-outs per action
     #[arg(long, value_name = "N")]
     rollouts: Option<usize>,
-    /// Sentences between two looks at the expert in dagger-online
-    #[arg(long, value_name = "N")]
-    block: Option<usize>,
     /// Let each round's classifier start from the one before
     #[arg(long)]
     warm: bool,
@@ -186,7 +183,6 @@ impl TrainerOptions {
             ("--reuse", self.reuse.is_some(), algorithm == M),
             ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut)),
             ("--rollouts", self.rollouts.is_some(), algorithm == S),
-            ("--block", self.block.is_some(), algorithm == DaggerOnline),
             ("--warm", self.warm, !matches!(algorithm, U | DaggerOnline)),
         ];
         if let Some((name, ..)) = applies.iter().find(|(_, given, meant)| strict && *given && !*meant) {
@@ -203,11 +199,7 @@ impl TrainerOptions {
         };
         let dagger = || {
             let default = Dagger::default();
-            Dagger {
-                rounds: self.rounds.unwrap_or(default.rounds),
-                warm: self.warm,
-                block: self.block.unwrap_or(default.block),
-            }
+            Dagger { rounds: self.rounds.unwrap_or(default.rounds), warm: self.warm }
         };
         Ok(match algorithm {
             U => Trainer::Supervised(Supervised {}),

@@ -1,9 +1,9 @@
 //! What all linear learners share: passes over the examples, descent along a gradient in the columns, averaging.
 
 use super::{Examples, Learner, Online, Setting, Target};
-use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, read_scores};
+use crate::policy::{Columns, Linear, Weights, votes};
 use crate::seed::Seed;
-use crate::space::{Actions, Features};
+use crate::space::{Action, Actions, Features};
 use crate::worker::Sight;
 use rand::seq::SliceRandom;
 
@@ -59,7 +59,7 @@ pub struct Lesson<'a> {
     pub target: Target<'a>,
 }
 
-/// A linear classifier in the making; acts with the weights as they are now.
+/// A linear classifier in the making.
 #[derive(Clone, Debug)]
 pub struct Course {
     actions: usize,
@@ -69,9 +69,31 @@ pub struct Course {
     seen: u64,
     scores: Vec<f32>,
     gradient: Vec<f32>,
+    votes: Vec<f32>,
 }
 
 impl Course {
+    /// Scores the example whose features are `fixed` and `dynamic`.
+    #[inline]
+    fn score(&mut self, fixed: &[u32], dynamic: &[u32]) {
+        self.scores.fill(0.0);
+        self.weights.add_to(fixed, &mut self.scores);
+        self.weights.add_to(dynamic, &mut self.scores);
+    }
+
+    /// Learns from the example that was scored last.
+    #[inline]
+    fn learn<R: Rule>(&mut self, rule: &R, fixed: &[u32], dynamic: &[u32], legal: Actions<'_>, target: Target<'_>) {
+        let count = self.weights.columns();
+        let lesson = Lesson { actions: self.actions, legal, target };
+        self.gradient.fill(0.0);
+        if rule.gradient(lesson, &self.scores[..count], &mut self.gradient[..count]) {
+            self.change(rule.descent(), fixed);
+            self.change(rule.descent(), dynamic);
+        }
+        self.seen += 1;
+    }
+
     fn change(&mut self, descent: Descent, features: &[u32]) {
         let when = self.seen as f32;
         let stride = self.weights.stride();
@@ -101,15 +123,6 @@ impl Course {
     }
 }
 
-impl Classifier<Features> for Course {
-    type Memory = LinearMemory;
-
-    #[inline]
-    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
-        read_scores(self.actions, self.columns, &self.weights, sight, memory)
-    }
-}
-
 impl<R: Rule> Learner<Features> for R {
     type Classifier = Linear;
 
@@ -125,7 +138,12 @@ impl<R: Rule> Learner<Features> for R {
         let mut rng = seed.rng();
         for _ in 0..self.passes() {
             order.shuffle(&mut rng);
-            self.study(&mut course, setting, examples, order.iter().map(|i| *i as usize));
+            for &i in &order {
+                let (row, dynamic) = examples.views().get(i as usize);
+                let fixed = setting.shared.row(row);
+                course.score(fixed, dynamic);
+                course.learn(self, fixed, dynamic, examples.legal(i as usize), examples.target(i as usize));
+            }
         }
         self.finish(course)
     }
@@ -146,32 +164,24 @@ impl<R: Rule> Online<Features> for R {
             }
         }
         let (scores, gradient) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
-        Course { actions: setting.actions, columns, weights, seen: 0, scores, gradient }
+        Course { actions: setting.actions, columns, weights, seen: 0, scores, gradient, votes: Vec::new() }
     }
 
-    fn study(
-        &self,
-        course: &mut Course,
-        setting: Setting<'_, Features>,
-        examples: &Examples<Features>,
-        order: impl Iterator<Item = usize>,
-    ) {
-        let descent = self.descent();
-        let count = course.weights.columns();
-        for i in order {
-            let (row, dynamic) = examples.views().get(i);
-            let fixed = setting.shared.row(row);
-            course.scores.fill(0.0);
-            course.gradient.fill(0.0);
-            course.weights.add_to(fixed, &mut course.scores);
-            course.weights.add_to(dynamic, &mut course.scores);
-            let lesson = Lesson { actions: course.actions, legal: examples.legal(i), target: examples.target(i) };
-            if self.gradient(lesson, &course.scores[..count], &mut course.gradient[..count]) {
-                course.change(descent, fixed);
-                course.change(descent, dynamic);
+    #[inline]
+    fn learn(&self, course: &mut Course, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
+        let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
+        course.score(fixed, dynamic);
+        let choice = match course.columns {
+            Columns::Actions => sight.legal.best(&course.scores),
+            Columns::Pairs => {
+                votes(course.actions, &course.scores, sight.legal, &mut course.votes);
+                sight.legal.best(&course.votes)
             }
-            course.seen += 1;
+        };
+        if let Some(target) = target {
+            course.learn(self, fixed, dynamic, sight.legal, target);
         }
+        choice
     }
 
     fn finish(&self, course: Course) -> Linear {

@@ -24,7 +24,8 @@ pub use wap::Wap;
 
 use crate::policy::Classifier;
 use crate::seed::Seed;
-use crate::space::{Problem, Space, View};
+use crate::space::{Action, Problem, Space, View};
+use crate::worker::Sight;
 
 /// What a learner must know of a space.
 pub struct Setting<'a, V: View> {
@@ -69,20 +70,14 @@ pub trait Learner<V: View>: Sync {
 
 /// A learner that learns example by example and can act in between.
 pub trait Online<V: View>: Learner<V> {
-    /// Learning in progress; acts with what is known so far.
-    type Course: Classifier<V>;
+    /// Learning in progress.
+    type Course;
 
     /// Begins, from `warm` where it is given.
     fn begin(&self, setting: Setting<'_, V>, warm: Option<&Self::Classifier>) -> Self::Course;
 
-    /// Learns from these examples once, in the order given by their numbers.
-    fn study(
-        &self,
-        course: &mut Self::Course,
-        setting: Setting<'_, V>,
-        examples: &Examples<V>,
-        order: impl Iterator<Item = usize>,
-    );
+    /// Says what it would do at `sight` as far as it has learned, and then learns from `target`, if there is any.
+    fn learn(&self, course: &mut Self::Course, sight: &Sight<'_, V>, target: Option<Target<'_>>) -> Action;
 
     /// What has been learned.
     fn finish(&self, course: Self::Course) -> Self::Classifier;

@@ -205,7 +205,7 @@ pub struct LinearMemory {
 impl LinearMemory {
     /// The sums over the static part and the dynamic part of `view`, the static part's from memory where it is there.
     #[inline]
-    pub(crate) fn sum<'m>(&'m mut self, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
+    fn sum<'m>(&'m mut self, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
         let stride = weights.stride();
         if self.sums.len() != stride {
             *self = LinearMemory {
@@ -245,31 +245,19 @@ pub(crate) fn votes(actions: usize, columns: &[f32], legal: Actions<'_>, votes: 
     }
 }
 
-/// The scores that `weights`, whose columns are `columns`, give to the actions at `sight`.
-#[inline]
-pub(crate) fn read_scores<'m>(
-    actions: usize,
-    columns: Columns,
-    weights: &Weights,
-    sight: &Sight<'_, Features>,
-    memory: &'m mut LinearMemory,
-) -> &'m [f32] {
-    match columns {
-        Columns::Actions => &memory.sum(weights, sight)[..actions],
-        Columns::Pairs => {
-            let mut counts = std::mem::take(&mut memory.votes);
-            votes(actions, memory.sum(weights, sight), sight.legal, &mut counts);
-            memory.votes = counts;
-            &memory.votes
-        }
-    }
-}
-
 impl Classifier<Features> for Linear {
     type Memory = LinearMemory;
 
     #[inline]
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
-        read_scores(self.actions, self.columns, &self.weights, sight, memory)
+        match self.columns {
+            Columns::Actions => &memory.sum(&self.weights, sight)[..self.actions],
+            Columns::Pairs => {
+                let mut counts = std::mem::take(&mut memory.votes);
+                votes(self.actions, memory.sum(&self.weights, sight), sight.legal, &mut counts);
+                memory.votes = counts;
+                &memory.votes
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ mod linear;
 mod mixture;
 
 pub use ladder::Ladder;
-pub(crate) use linear::read_scores;
+pub(crate) use linear::votes;
 pub use linear::{Columns, Linear, LinearMemory, Weights};
 pub use mixture::{Member, Mixture, MixtureMemory, Reading};
 

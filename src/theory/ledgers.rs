@@ -13,7 +13,7 @@
 //! | SEARN | 0 | S (1-p_N)/beta | N k sum A_t | k (1-p_N)/beta sum A_t (L-t) | N (S + k sum A_t (L-t+1)) |
 //! | SEARN, shortcut | N S | S (1-p_N)/beta | 0 | 0 | N S |
 //! | DAgger | N S | S | 0 | 0 | N S |
-//! | DAgger, online | N S | S times the first block's share of the episodes | 0 | 0 | N S |
+//! | DAgger, online | N S | 0 | 0 | 0 | N S |
 //!
 //! Sums over n are over the rounds but the first, n = 1, ..., N-1. With q for (1-alpha) or (1-alpha p_{n-1}), the expert acts S + sum over n of
 //! p_n sum L (1-q^(L-1)) times in all; for Algorithm 4.2 as printed the last term is (L-1)(1-q^L). What 4.3 and R2 run when their
@@ -188,6 +188,5 @@ pub fn dagger(extent: &Extent, dagger: &Dagger) -> Expected {
 
 /// What [`Dagger::train_online`] costs.
 pub fn dagger_online(extent: &Extent, dagger: &Dagger) -> Expected {
-    let first = (dagger.block as f64 / extent.sum(|_| 1.0)).min(1.0);
-    labelled(extent, dagger.rounds as f64, extent.steps() * first)
+    labelled(extent, dagger.rounds as f64, 0.0)
 }

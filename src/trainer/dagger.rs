@@ -1,20 +1,21 @@
 //! DAgger (Ross, Gordon & Bagnell 2011).
 
 use super::{Book, Run, Trained, check_rounds};
-use crate::error::{Error, Result};
-use crate::learner::{Examples, Learner, Online, Setting};
+use crate::error::Result;
+use crate::learner::{Examples, Learner, Online, Setting, Target};
 use crate::policy::{Follow, Greedy};
 use crate::roll;
 use crate::seed::Purpose;
-use crate::space::{Gather, Problem, ViewOf};
-use crate::worker::all;
+use crate::space::{Episode, Gather, Problem, ViewOf};
+use crate::worker::{Worker, all};
+use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 /// Dataset aggregation: the learner drives, the expert labels every state it reaches, and the learner learns from all labels so far. In the
 /// first iteration the expert drives (beta_i = I(i = 1)).
 ///
-/// [`Dagger::train`] fits anew on the whole aggregate after each round. [`Dagger::train_online`] keeps one online learner going, whose
-/// iterations are blocks of episodes: the same guarantee, which asks only for a no-regret learner, at one pass's cost a round.
+/// [`Dagger::train`] fits anew on the whole aggregate after each round. [`Dagger::train_online`] keeps one online learner going, which is all that
+/// the guarantee asks for if it has no regret, at the cost of one pass a round.
 ///
 /// ```
 /// use rollin::learner::Perceptron;
@@ -36,13 +37,11 @@ pub struct Dagger {
     pub rounds: usize,
     /// Whether each round's classifier starts from the one before; an online learner always does.
     pub warm: bool,
-    /// Online: episodes per iteration.
-    pub block: usize,
 }
 
 impl Default for Dagger {
     fn default() -> Self {
-        Dagger { rounds: 5, warm: false, block: 64 }
+        Dagger { rounds: 5, warm: false }
     }
 }
 
@@ -79,10 +78,11 @@ impl Dagger {
         }
     }
 
-    /// Trains on `problem` with an online `learner` that goes on learning from block to block; the expert drives in the first block.
+    /// Trains on `problem` with an online `learner`, which learns at every state it reaches as soon as it has acted there. It drives from the
+    /// first step on, through the episodes in a new order each round, one after the other: more threads do not help.
     ///
     /// # Errors
-    /// When there are no rounds, blocks are empty or the problem has no episodes.
+    /// When there are no rounds or the problem has no episodes.
     pub fn train_online<P: Problem, L: Online<ViewOf<P>>>(
         &self,
         problem: &P,
@@ -90,26 +90,21 @@ impl Dagger {
         run: &Run<'_>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
-        if self.block == 0 {
-            return Err(Error::argument("block", 0, "at least 1"));
-        }
         let mut book = Book::open(problem, run)?;
-        let setting = Setting::of(problem);
-        let mut course = learner.begin(setting, None);
+        let mut course = learner.begin(Setting::of(problem), None);
         let mut episodes = all(problem);
         for i in 1..=self.rounds {
             let seed = run.seed.child(Purpose::Round, i as u64);
-            rand::seq::SliceRandom::shuffle(&mut episodes[..], &mut seed.child(Purpose::Learner, 0).rng());
+            episodes.shuffle(&mut seed.child(Purpose::Learner, 0).rng());
+            let mut worker = Worker::new(problem);
             let mut cost = 0.0;
-            for (block, chunk) in episodes.chunks(self.block).enumerate() {
-                let round = book.bill(if i == 1 && block == 0 {
-                    roll::labels(problem, &Follow, chunk, seed)
-                } else {
-                    roll::labels(problem, &Greedy(&course), chunk, seed)
+            for &index in &episodes {
+                let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
+                cost += worker.episode(episode, |visit| {
+                    Some(visit.practise(|sight, label| learner.learn(&mut course, sight, label.map(Target::Label))))
                 });
-                cost += round.cost;
-                learner.study(&mut course, setting, &round.examples, 0..round.examples.len());
             }
+            book.bill(((), worker.ledger()));
             book.round(self.rounds, cost);
         }
         Ok(book.close(Greedy(learner.finish(course))))

@@ -133,6 +133,14 @@ impl<'v, P: Problem> Visit<'v, P> {
         examples.push(sight.view, sight.legal, target);
     }
 
+    /// Asks the expert what it would do and hands the answer, with what can be seen here, to `learn`, which acts and learns on
+    /// the spot. Billed as a label and an example, unless the expert is silent.
+    pub fn practise(&mut self, learn: impl FnOnce(&Sight<'_, ViewOf<P>>, Option<Action>) -> Action) -> Action {
+        let label = self.label();
+        self.ledger.examples += u64::from(label.is_some());
+        learn(&self.sight(), label)
+    }
+
     /// Puts the system back to this state, takes `action` and lets `policy` act to the end. Returns the total cost from here. Billed
     /// as a reset and a roll-out.
     ///
