@@ -32,8 +32,13 @@ pub struct Compare {
     #[arg(long, value_name = "FILE", requires = "data")]
     test: Option<PathBuf>,
     /// The algorithms, between commas
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES",
-          default_value = "supervised,forward,smile,searn,dagger")]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "NAMES",
+        default_value = "supervised,forward,smile,searn,dagger"
+    )]
     algorithms: Vec<Algorithm>,
     #[command(flatten)]
     columns: Reading,
@@ -78,12 +83,14 @@ struct Data {
 impl Compare {
     pub fn run(&self, global: &Global) -> Result<()> {
         let learner = self.learner.learner()?;
-        let trainers = self.algorithms.iter().map(|a| Ok((*a, self.trainer.trainer(*a, false)?))).collect::<Result<Vec<_>>>()?;
+        let trainers =
+            self.algorithms.iter().map(|a| Ok((*a, self.trainer.trainer(*a, false)?))).collect::<Result<Vec<_>>>()?;
         let data = self.read()?;
         let template = self.columns.template(&data.train)?;
         let (encoding, space) = Encoding::learn(&data.train, self.columns.labels(), template, self.columns.order())?;
         let problem = space.problem();
-        let bench = Bench { extent: Extent::of(&problem), problem, test: encoding.apply(&data.test)?, encoding, data: &data };
+        let bench =
+            Bench { extent: Extent::of(&problem), problem, test: encoding.apply(&data.test)?, encoding, data: &data };
         let rows = trainers
             .into_iter()
             .map(|(algorithm, trainer)| bench.row(algorithm, trainer, &learner, global))

@@ -26,7 +26,9 @@ impl Inspect {
         };
         let (kind, reading) = match &tagger.policy {
             Learned::Mixture(mixture) if mixture.members().len() == 1 => ("one classifier", String::new()),
-            Learned::Mixture(mixture) => ("mixture", format!(", read as {}", to_json(&mixture.reading()).trim_matches('"'))),
+            Learned::Mixture(mixture) => {
+                ("mixture", format!(", read as {}", to_json(&mixture.reading()).trim_matches('"')))
+            }
             Learned::Ladder(_) => ("one classifier per step", String::new()),
         };
         let rows: Vec<usize> = tagger.policy.classifiers().iter().map(|c| c.weights.len()).collect();

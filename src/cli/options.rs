@@ -142,7 +142,9 @@ impl TrainerOptions {
     /// # Errors
     /// When `strict` and a setting is given that the trainer has not.
     pub fn trainer(&self, algorithm: Algorithm, strict: bool) -> Result<Trainer> {
-        use Algorithm::{Dagger as D, DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U};
+        use Algorithm::{
+            Dagger as D, DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U,
+        };
         let applies = [
             ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F)),
             ("--alpha", self.alpha.is_some(), algorithm == M),
@@ -218,9 +220,8 @@ impl LearnerOptions {
         if let Some(l2) = self.l2.filter(|l2| !(*l2 >= 0.0 && l2.is_finite())) {
             return Err(Error::argument("--l2", l2, "0 or more"));
         }
-        let given = |passes, rate, l2| {
-            (self.passes.unwrap_or(passes), self.rate.unwrap_or(rate), self.l2.unwrap_or(l2))
-        };
+        let given =
+            |passes, rate, l2| (self.passes.unwrap_or(passes), self.rate.unwrap_or(rate), self.l2.unwrap_or(l2));
         Ok(match self.learner {
             LearnerName::Perceptron => {
                 let named = [("--rate", self.rate.is_some()), ("--l2", self.l2.is_some())];

@@ -32,7 +32,8 @@ impl Tag {
         }
         let path = Path::new("<stdin>");
         let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-        for (number, block) in Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK).enumerate() {
+        for (number, block) in Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK).enumerate()
+        {
             let block = block.map_err(|error| Error::io("read", path, error))?;
             let labels = match block.corpus(path)? {
                 Some(corpus) => tagger.tag(&corpus, Seed::new(global.seed).child(Purpose::Round, number as u64))?,

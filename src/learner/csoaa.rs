@@ -1,7 +1,7 @@
 //! Cost-sensitive one-against-all.
 
-use super::linear::{Descent, Lesson, Rule};
 use super::Target;
+use super::linear::{Descent, Lesson, Rule};
 use crate::policy::Columns;
 use serde::{Deserialize, Serialize};
 

@@ -165,8 +165,7 @@ impl<R: Rule> Online<Features> for R {
             course.gradient.fill(0.0);
             course.weights.add_to(fixed, &mut course.scores);
             course.weights.add_to(dynamic, &mut course.scores);
-            let lesson =
-                Lesson { actions: course.actions, legal: examples.legal(i), target: examples.target(i) };
+            let lesson = Lesson { actions: course.actions, legal: examples.legal(i), target: examples.target(i) };
             if self.gradient(lesson, &course.scores[..count], &mut course.gradient[..count]) {
                 course.change(descent, fixed);
                 course.change(descent, dynamic);

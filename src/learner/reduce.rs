@@ -13,8 +13,10 @@ pub fn as_label(target: Target<'_>, legal: Actions<'_>) -> (Action, f32) {
     match target {
         Target::Label(action) => (action, if legal.len() > 1 { 1.0 } else { 0.0 }),
         Target::Costs(costs) => {
-            let (place, least) =
-                costs.iter().enumerate().fold((0, f32::INFINITY), |best, (i, c)| if *c < best.1 { (i, *c) } else { best });
+            let (place, least) = costs
+                .iter()
+                .enumerate()
+                .fold((0, f32::INFINITY), |best, (i, c)| if *c < best.1 { (i, *c) } else { best });
             let others = costs.len().saturating_sub(1).max(1) as f32;
             (legal.nth(place), costs.iter().map(|c| c - least).sum::<f32>() / others)
         }

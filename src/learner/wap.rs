@@ -1,7 +1,7 @@
 //! Weighted all pairs.
 
-use super::linear::{Descent, Lesson, Rule};
 use super::Target;
+use super::linear::{Descent, Lesson, Rule};
 use crate::policy::Columns;
 use crate::space::Action;
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,13 @@ impl Wap {
         }
     }
 
-    fn pair(actions: usize, (i, vi): (Action, f32), (j, vj): (Action, f32), scores: &[f32], gradient: &mut [f32]) -> bool {
+    fn pair(
+        actions: usize,
+        (i, vi): (Action, f32),
+        (j, vj): (Action, f32),
+        scores: &[f32],
+        gradient: &mut [f32],
+    ) -> bool {
         let column = Columns::pair(actions, i.index(), j.index());
         let (weight, sign) = if vi < vj { (vj - vi, 1.0) } else { (vi - vj, -1.0) };
         let mistake = 1.0 / (1.0 + (sign * scores[column]).exp());

@@ -33,7 +33,7 @@ pub mod doc;
 mod features;
 
 pub use actions::{Action, Actions};
-pub use features::{Features, FeatureTable, NO_ROW, StoredFeatures};
+pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
 
 use crate::seed::Seed;
 

@@ -164,7 +164,11 @@ impl Encoding {
         if let Some(token) = first_illegal(&transitions, corpus, &gold) {
             if order.is_some() {
                 let place = corpus.place(token, label_column);
-                return Err(Error::data(place, format!("label {}", column.word(token)), "a label that may stand there"));
+                return Err(Error::data(
+                    place,
+                    format!("label {}", column.word(token)),
+                    "a label that may stand there",
+                ));
             }
             transitions = Transitions::new(Order::Free, &names);
         }

@@ -88,7 +88,8 @@ impl Tagger {
                 body.extend(row[..weights.columns()].iter().flat_map(|w| w.to_le_bytes()));
             }
         }
-        let mut bytes = format!("{MAGIC}{VERSION}\n{} bytes, checksum {:016x}\n", body.len(), checksum(&body)).into_bytes();
+        let mut bytes =
+            format!("{MAGIC}{VERSION}\n{} bytes, checksum {:016x}\n", body.len(), checksum(&body)).into_bytes();
         bytes.extend(body);
         bytes
     }

@@ -181,9 +181,9 @@ impl Expert<Tagging> for Gold {
         if legal.contains(Action(gold)) {
             return Some(Action(gold));
         }
-        legal.iter().min_by_key(|a| {
-            (space.detour(state.token + 1, state.end, a.0), !space.transitions.kin(a.0, gold), a.0)
-        })
+        legal
+            .iter()
+            .min_by_key(|a| (space.detour(state.token + 1, state.end, a.0), !space.transitions.kin(a.0, gold), a.0))
     }
 }
 

@@ -77,7 +77,8 @@ impl<P: Problem> Policy<P> for Learned
 where
     P::Space: Space<View = Features>,
 {
-    type Memory = (MixtureMemory<<Linear as Classifier<Features>>::Memory>, Vec<<Linear as Classifier<Features>>::Memory>);
+    type Memory =
+        (MixtureMemory<<Linear as Classifier<Features>>::Memory>, Vec<<Linear as Classifier<Features>>::Memory>);
 
     #[inline]
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
@@ -132,7 +133,8 @@ impl Tagger {
         encoding.number_history()?;
         let features = encoding.features();
         // Dynamic features keep their order behind the static ones.
-        let moved: Vec<u32> = kept.into_iter().chain(before as u32..(features + before - encoding.features.len()) as u32).collect();
+        let moved: Vec<u32> =
+            kept.into_iter().chain(before as u32..(features + before - encoding.features.len()) as u32).collect();
         let policy = policy.map(|classifier| {
             let mut weights = Weights::new(features, classifier.weights.columns(), 1);
             for (new, old) in moved.iter().enumerate() {

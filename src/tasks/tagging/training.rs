@@ -1,7 +1,7 @@
 //! Training a tagger by name: any trainer with any learner.
 
-use super::tagger::Learned;
 use super::TaggingProblem;
+use super::tagger::Learned;
 use crate::error::Result;
 use crate::learner::{Csoaa, Logistic, Online, Perceptron, Wap};
 use crate::policy::Linear;
@@ -68,9 +68,7 @@ impl Trainer {
             Trainer::Forward(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Smile(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Searn(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
-            Trainer::SearnShortcut(trainer) => {
-                trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from)
-            }
+            Trainer::SearnShortcut(trainer) => trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from),
             Trainer::Dagger(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::DaggerOnline(trainer) => trainer.train_online(problem, learner, run)?.map(Learned::from),
         })
