@@ -47,7 +47,7 @@ fn sixty_instances() {
         let expected: Value = serde_json::from_str(line).expect("JSON");
         let instance = Instance::parse(&path, line.as_bytes()).expect("an instance");
         let found = serde_json::to_value(audit(&instance).expect("an audit")).expect("JSON");
-        for group in ["eval", "forward", "korder"] {
+        for group in ["eval", "forward", "korder", "smile", "searn", "reuse", "counts", "population"] {
             let expected = expected[group].as_object().expect("a group");
             for (key, expected) in expected {
                 wrong.extend(difference(&format!("{group}.{key}"), &found[group][key], expected).map(|d| (lines, d)));

@@ -3,14 +3,18 @@
 //! Lists that start with the expert have it at index 0; where there is nothing to say at index 0 (a policy that never asks
 //! the expert, before the first round) stands `null`. Array order: `[n][t][s]`, rounds before steps before states.
 
+use super::counts::{Counts, Plan};
 use super::evaluate::evaluate;
 use super::forward::Forward;
 use super::instance::Instance;
 use super::korder::orders;
 use super::mdp::Mdp;
+use super::mixing::{Mixing, Proposal, Smile, SmileBounds};
+use super::population::{Choice, Class};
+use super::reuse::Reuse;
 use super::table::Table;
 use crate::error::Result;
-use ndarray::Array2;
+use ndarray::{Array2, Array3};
 use serde::Serialize;
 
 /// Rows of numbers.
@@ -27,6 +31,21 @@ pub struct Audit {
     /// k-th order quantities of the first classifier with respect to the stationary policy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub korder: Option<Korder>,
+    /// SMILe with the given classifiers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smile: Option<SmileGroup>,
+    /// SEARN with the given classifiers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub searn: Option<SearnGroup>,
+    /// The laws of SMILe's data sets when samples are reused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reuse: Option<ReuseGroup>,
+    /// Expected expert queries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counts: Option<Counts>,
+    /// The best classifiers of the restricted class.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub population: Option<Population>,
     /// Why a group is not there.
     pub left_out: Vec<String>,
 }
@@ -101,6 +120,125 @@ pub struct Korder {
     pub D: Rows,
 }
 
+/// SMILe; index n of a list from 0, j-1 of the others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct SmileGroup {
+    /// p_n, from 0.
+    pub p: Vec<f64>,
+    /// The weights of pi^N: the expert's first.
+    pub weights: Vec<f64>,
+    /// The weights of pitilde^N.
+    pub tilde_weights: Vec<f64>,
+    /// J(pi^n), from 0.
+    pub J_pi: Vec<f64>,
+    /// J(pitilde^n), from 0.
+    pub J_tilde: Vec<Option<f64>>,
+    /// pi^N, `[s][a]`.
+    pub pi_N: Rows,
+    /// pitilde^N.
+    pub tilde_N: Rows,
+    /// eps_j.
+    pub eps: Vec<f64>,
+    /// A_1(pi^{j-1}, hat*^j | pi*).
+    pub A1_given_star: Vec<f64>,
+    /// A_1(pi^{j-1}, hat^j) = p_{j-1} A_1(pi^{j-1}, hat*^j | pi*).
+    pub A1_hat: Vec<f64>,
+    /// A_k(pi^{j-1}, hat^j), `[j-1][k]`.
+    pub Ak: Rows,
+    /// Lemma 4.1's right side, `[n-1][k-1]`.
+    pub lemma41_rhs: Rows,
+    /// The right sides of the bounds, from 0.
+    pub bounds: Vec<Option<SmileBounds>>,
+    /// The least n with p_n <= 1/T^2.
+    pub n_to_T2: f64,
+}
+
+/// SEARN; index n of a list from 0, j-1 of the others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct SearnGroup {
+    /// The weights of pi^n, from 0: the expert's first.
+    pub weights: Rows,
+    /// The weights of pitilde^N.
+    pub tilde_weights: Vec<f64>,
+    /// J(pi^n), from 0.
+    pub J_pi: Vec<f64>,
+    /// J(pitilde^n), from 0.
+    pub J_tilde: Vec<Option<f64>>,
+    /// A_k(pi^{j-1}, h_j), `[j-1][k]`.
+    pub A: Rows,
+    /// Lemma 4.1's right side at k = 1, after n = 1, ..., N rounds.
+    pub rhs_lemma41_k1: Vec<f64>,
+    /// The right side of conservative policy iteration's bound.
+    pub rhs_cpi: Vec<f64>,
+}
+
+/// The laws of [`Reuse`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReuseGroup {
+    /// beta_n.
+    pub beta: Vec<f64>,
+    /// c_{n,k}, `[n-1][k]`.
+    pub c: Rows,
+    /// The expected share of new trajectories of Algorithm 4.2.
+    pub new_frac42: Vec<f64>,
+    /// That of Algorithm 4.3.
+    pub new_frac43: Vec<f64>,
+    /// d of pi^n, from 0, `[n][t][s]`.
+    pub d_true: Vec<Rows>,
+    /// The data set of Algorithm 4.2 if the last one was right.
+    pub d_42_paper_onestep: Vec<Rows>,
+    /// The data set of Algorithm 4.2, from 0.
+    pub d_42_paper_chain: Vec<Rows>,
+    /// A new trajectory of Algorithm 4.2.
+    pub d_42_fresh_paper: Vec<Rows>,
+    /// A new trajectory of Algorithm 4.2 repaired.
+    pub d_42_fresh_exact: Vec<Rows>,
+    /// The right side of Lemma 4.3.
+    pub d_43_lemma_rhs: Vec<Rows>,
+    /// The data set of Algorithm 4.3, from 0.
+    pub d_43_paper_chain: Vec<Rows>,
+    /// A new trajectory of Algorithm 4.3, `[n-1][k-1][t][s]`.
+    pub d_43_fresh_paper: Vec<Vec<Rows>>,
+    /// A new trajectory of Algorithm 4.3 repaired.
+    pub d_43_fresh_exact: Vec<Vec<Rows>>,
+    /// D_k^{pi*}(pitilde^n), `[n-1][k][t][s]`.
+    pub d_k: Vec<Vec<Rows>>,
+}
+
+/// Training with infinitely many samples: tables, then margins.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct Population {
+    /// One table and its margin.
+    pub supervised: (Rows, f64),
+    /// One table a step.
+    pub forward: (Vec<Rows>, Vec<f64>),
+    /// One table a round.
+    pub smile: (Vec<Rows>, Vec<f64>),
+    /// One table a round.
+    pub searn: (Vec<Rows>, Vec<f64>),
+    /// What the results cost.
+    pub J: PopulationCosts,
+}
+
+/// Exact costs of the policies that population training ends with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PopulationCosts {
+    /// Of the one classifier.
+    pub supervised: f64,
+    /// Of the classifiers, one a step.
+    pub forward: f64,
+    /// Of SMILe's pitilde^N.
+    pub smile_tilde: f64,
+    /// Of SEARN's pitilde^N.
+    pub searn_tilde: f64,
+}
+
+/// The most numbers that the laws of reuse may have in an audit; beyond it they are left out.
+pub const MOST_NUMBERS: usize = 4_000_000;
+
 /// Computes every group that the instance has the inputs of.
 ///
 /// # Errors
@@ -115,7 +253,40 @@ pub fn audit(instance: &Instance) -> Result<Audit> {
         (Some(policy), Some(hat)) => audit.korder = Some(korder(&instance.mdp, policy, hat)?),
         _ => audit.left_out.push("korder: the instance has no pi or no hats".into()),
     }
+    match (&instance.hats, instance.rate) {
+        (Some(hats), Some(rate)) => mixtures(&mut audit, &instance.mdp, hats, rate)?,
+        _ => audit.left_out.push("smile, searn, reuse: the instance has no hats or no alpha".into()),
+    }
+    match (instance.samples, instance.rollouts, instance.rounds, instance.rate) {
+        (Some(samples), Some(rollouts), Some(rounds), Some(rate)) => {
+            let (horizon, actions) = (instance.mdp.horizon(), instance.mdp.actions());
+            audit.counts =
+                Some(Counts::of(&Plan { horizon, actions, rounds, alpha: rate, beta: rate, samples, rollouts }));
+        }
+        _ => audit.left_out.push("counts: the instance has no m, k_roll, N (or hats) or alpha".into()),
+    }
+    match (&instance.view, instance.rounds, instance.rate) {
+        (Some(view), Some(rounds), Some(rate)) => {
+            audit.population = Some(population(&instance.mdp, view, rounds, rate)?);
+        }
+        _ => audit.left_out.push("population: the instance has no phi, N (or hats) or alpha".into()),
+    }
     Ok(audit)
+}
+
+/// SMILe, SEARN and the laws of reuse.
+fn mixtures(audit: &mut Audit, mdp: &Mdp, hats: &[Table], rate: f64) -> Result<()> {
+    let smile = Smile::of(mdp, hats, rate)?;
+    let numbers = [hats.len(), mdp.horizon() + 1, mdp.horizon(), mdp.states()];
+    let numbers = numbers.iter().fold(1usize, |product, n| product.saturating_mul(*n));
+    if numbers <= MOST_NUMBERS {
+        audit.reuse = Some(reuse(Reuse::of(mdp, &smile.mixing, hats)?));
+    } else {
+        audit.left_out.push(format!("reuse: {numbers} numbers a law (N T (T+1) S), more than {MOST_NUMBERS}"));
+    }
+    audit.smile = Some(self::smile(&smile));
+    audit.searn = Some(searn(&Mixing::of(mdp, Proposal::Searn, hats, rate)?));
+    Ok(())
 }
 
 fn eval(instance: &Instance) -> Result<Eval> {
@@ -165,6 +336,94 @@ fn korder(mdp: &Mdp, policy: &Table, hat: &Table) -> Result<Korder> {
         A: orders.disadvantages,
         D: rows(&orders.frequencies),
     })
+}
+
+fn smile(smile: &Smile) -> SmileGroup {
+    let mixing = &smile.mixing;
+    let rounds = mixing.rounds();
+    SmileGroup {
+        p: mixing.kept.clone(),
+        weights: mixing.weights(rounds),
+        tilde_weights: mixing.unsupervised_weights(rounds),
+        J_pi: mixing.evaluations.iter().map(|evaluation| evaluation.cost).collect(),
+        J_tilde: from_zero(mixing.unsupervised_costs.iter().copied()),
+        pi_N: mixing.policies.last().map(|table| rows(table.rows())).unwrap_or_default(),
+        tilde_N: mixing.unsupervised.last().map(|table| rows(table.rows())).unwrap_or_default(),
+        eps: smile.errors.clone(),
+        A1_given_star: smile.given_expert.clone(),
+        A1_hat: mixing.orders.iter().map(|orders| orders.disadvantages[1]).collect(),
+        Ak: mixing.orders.iter().map(|orders| orders.disadvantages.clone()).collect(),
+        lemma41_rhs: (1..=rounds).map(|n| mixing.lemma_4_1(n)).collect(),
+        bounds: from_zero((1..=rounds).map(|n| smile.bounds(n))),
+        n_to_T2: mixing.rounds_wanted(),
+    }
+}
+
+fn searn(mixing: &Mixing) -> SearnGroup {
+    let rounds = mixing.rounds();
+    SearnGroup {
+        weights: (0..=rounds).map(|n| mixing.weights(n)).collect(),
+        tilde_weights: mixing.unsupervised_weights(rounds),
+        J_pi: mixing.evaluations.iter().map(|evaluation| evaluation.cost).collect(),
+        J_tilde: from_zero(mixing.unsupervised_costs.iter().copied()),
+        A: mixing.orders.iter().map(|orders| orders.disadvantages.clone()).collect(),
+        rhs_lemma41_k1: (1..=rounds).map(|n| mixing.lemma_4_1(n)[0]).collect(),
+        rhs_cpi: (1..=rounds).map(|n| mixing.conservative(n)).collect(),
+    }
+}
+
+fn reuse(reuse: Reuse) -> ReuseGroup {
+    let matrices = |list: &[Array2<f64>]| list.iter().map(rows).collect();
+    let cubes = |list: &[Array3<f64>]| {
+        let cube = |cube: &Array3<f64>| cube.outer_iter().map(|matrix| rows(&matrix.to_owned())).collect();
+        list.iter().map(cube).collect()
+    };
+    ReuseGroup {
+        d_true: matrices(&reuse.truth),
+        d_42_paper_onestep: matrices(&reuse.onestep42),
+        d_42_paper_chain: matrices(&reuse.chain42),
+        d_42_fresh_paper: matrices(&reuse.printed42),
+        d_42_fresh_exact: matrices(&reuse.exact42),
+        d_43_lemma_rhs: matrices(&reuse.lemma43),
+        d_43_paper_chain: matrices(&reuse.chain43),
+        d_43_fresh_paper: cubes(&reuse.printed43),
+        d_43_fresh_exact: cubes(&reuse.exact43),
+        d_k: cubes(&reuse.by_count),
+        beta: reuse.older,
+        c: reuse.split,
+        new_frac42: reuse.fresh42,
+        new_frac43: reuse.fresh43,
+    }
+}
+
+fn population(mdp: &Mdp, view: &[usize], rounds: usize, rate: f64) -> Result<Population> {
+    let class = Class::new(mdp, view)?;
+    let (supervised, margin) = class.supervised()?;
+    let (forward, smile, searn) = (class.forward(), class.smile(rate, rounds)?, class.searn(rate, rounds)?);
+    let mixed = |proposal, choices: &[Choice]| -> Result<f64> {
+        let mut mixer = super::mixing::Mixer::new(mdp, proposal, rate)?;
+        choices.iter().for_each(|(table, _)| drop(mixer.advance(table)));
+        Ok(evaluate(mdp, mixer.unsupervised().unwrap_or(mixer.policy()))?.cost)
+    };
+    let ladder: Vec<&Table> = forward.iter().map(|(table, _)| table).collect();
+    let listed = |choices: &[Choice]| choices.iter().map(|(table, margin)| (rows(table.rows()), *margin)).unzip();
+    Ok(Population {
+        J: PopulationCosts {
+            supervised: evaluate(mdp, &supervised)?.cost,
+            forward: evaluate(mdp, ladder.as_slice())?.cost,
+            smile_tilde: mixed(Proposal::Smile, &smile)?,
+            searn_tilde: mixed(Proposal::Searn, &searn)?,
+        },
+        supervised: (rows(supervised.rows()), margin),
+        forward: listed(&forward),
+        smile: listed(&smile),
+        searn: listed(&searn),
+    })
+}
+
+/// A list that has nothing to say of the expert.
+fn from_zero<N>(later: impl Iterator<Item = N>) -> Vec<Option<N>> {
+    std::iter::once(None).chain(later.map(Some)).collect()
 }
 
 /// The rows of a matrix.

@@ -16,10 +16,15 @@ mod mdp;
 mod table;
 
 pub mod audit;
+pub mod closed;
+pub mod counts;
 pub mod forward;
 pub mod instance;
 pub mod korder;
 pub mod ledgers;
+pub mod mixing;
+pub mod population;
+pub mod reuse;
 
 pub use evaluate::{Evaluation, evaluate};
 pub use mdp::{LONGEST, Mdp, Parts};
