@@ -40,6 +40,24 @@ pub fn rounds(rate: f64, horizon: usize) -> f64 {
     if (exact - nearest).abs() <= 1e-12 * nearest { nearest } else { exact.ceil() }
 }
 
+/// Theorem 4.1's alpha: sqrt(3)/(T^2 sqrt(ln T)); infinite for T = 1.
+pub fn alpha_printed(horizon: usize) -> f64 {
+    let horizon = horizon as f64;
+    3f64.sqrt() / (horizon * horizon * horizon.ln().sqrt())
+}
+
+/// Theorem 4.1's N: 2 T^2 (ln T)^{3/2}, which is sqrt(3) times (2/alpha) ln T at its alpha.
+pub fn rounds_printed(horizon: usize) -> f64 {
+    let horizon = horizon as f64;
+    2.0 * horizon * horizon * horizon.ln().powf(1.5)
+}
+
+/// The N of alpha = 1/T^2: 2 T^2 ln T.
+pub fn rounds_inverse_square(horizon: usize) -> f64 {
+    let horizon = horizon as f64;
+    2.0 * horizon * horizon * horizon.ln()
+}
+
 /// ln C(n,k) for k = 0, ..., n.
 pub fn log_choose(n: usize) -> Vec<f64> {
     let mut factorial = vec![0.0; n + 1];

@@ -10,6 +10,9 @@
 use super::closed::{fresh42, fresh43, gone, kept, shares};
 use serde::Serialize;
 
+/// The most rounds of which [`Counts::flip_var`] is computed: it takes a sum over pairs of rounds.
+pub const MOST_PAIRED: usize = 10_000;
+
 /// What is counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
@@ -62,8 +65,8 @@ pub struct Counts {
     pub smile43_bound: f64,
     /// As `smile43_labels`.
     pub flip_labels: f64,
-    /// T^2 M Var(reruns of a slot).
-    pub flip_var: f64,
+    /// T^2 M Var(reruns of a slot); nothing beyond [`MOST_PAIRED`] rounds, whose pairs are too many to add up.
+    pub flip_var: Option<f64>,
     /// N m (1 + A k (T-1)/2).
     pub searn_eager: f64,
     /// m (1-p_N)/beta (1 + A k (T-1)/2).
@@ -111,7 +114,7 @@ impl Counts {
             smile43_var: square * spread,
             smile43_bound: (horizon + 1.0) * m,
             flip_labels: renewed,
-            flip_var: square * (spread + 2.0 * overlap(plan, &fresh)),
+            flip_var: (plan.rounds <= MOST_PAIRED).then(|| square * (spread + 2.0 * overlap(plan, &fresh))),
             searn_eager: rounds * m * steps,
             searn_lazy: drawn * m * steps,
             searn_lazy_var: m * steps * doubt,

@@ -68,6 +68,16 @@ impl Forward {
         }
         Ok(forward)
     }
+
+    /// J(pi*).
+    pub fn expert_cost(&self) -> f64 {
+        self.costs.first().copied().unwrap_or(f64::NAN)
+    }
+
+    /// J(pi^T).
+    pub fn last(&self) -> f64 {
+        self.costs.last().copied().unwrap_or(f64::NAN)
+    }
 }
 
 /// u_t: the largest max_a Q*(s,a) - V*(s) at step t over states that have probability, at least 0.

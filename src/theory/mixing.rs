@@ -145,6 +145,19 @@ impl Mixing {
         self.evaluations[0].cost
     }
 
+    /// J(pi^n); n above N is taken as N.
+    pub fn cost(&self, n: usize) -> f64 {
+        self.evaluations[n.min(self.rounds())].cost
+    }
+
+    /// J(pitilde^n); n above N is taken as N, and without a round it is J(pi*).
+    pub fn unsupervised_cost(&self, n: usize) -> f64 {
+        match self.unsupervised_costs.get(n.min(self.rounds()).wrapping_sub(1)) {
+            Some(cost) => *cost,
+            None => self.expert_cost(),
+        }
+    }
+
     /// The weights of pi^n: the expert's, then those of classifiers 1, ..., n.
     pub fn weights(&self, n: usize) -> Vec<f64> {
         let classifier = |j: usize| match self.proposal {

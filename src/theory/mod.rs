@@ -16,10 +16,12 @@ mod mdp;
 mod table;
 
 pub mod audit;
+pub mod bounds;
 pub mod closed;
 pub mod counts;
 pub mod forward;
 pub mod instance;
+pub mod instances;
 pub mod korder;
 pub mod ledgers;
 pub mod mixing;

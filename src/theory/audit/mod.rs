@@ -3,22 +3,25 @@
 //! Lists that start with the expert have it at index 0; where there is nothing to say at index 0 (a policy that never asks
 //! the expert, before the first round) stands `null`. Array order: `[n][t][s]`, rounds before steps before states.
 
-use super::counts::{Counts, Plan};
-use super::evaluate::evaluate;
-use super::forward::Forward;
-use super::instance::Instance;
-use super::korder::orders;
-use super::mdp::Mdp;
-use super::mixing::{Mixing, Proposal, Smile, SmileBounds};
-use super::population::{Choice, Class};
-use super::reuse::Reuse;
-use super::table::Table;
+mod groups;
+
+pub use groups::{
+    Eval, ForwardGroup, Korder, Population, PopulationCosts, ReuseGroup, Rows, SearnGroup, SmileGroup, Stationary,
+};
+
+use crate::theory::bounds::{self, Bound};
+use crate::theory::counts::{Counts, Plan};
+use crate::theory::forward::Forward;
+use crate::theory::instance::Instance;
+use crate::theory::korder::orders;
+use crate::theory::mixing::{Mixer, Mixing, Proposal, Smile};
+use crate::theory::population::{Choice, Class};
+use crate::theory::reuse::Reuse;
+use crate::theory::{Evaluation, Mdp, Table, evaluate};
+
 use crate::error::Result;
 use ndarray::{Array2, Array3};
 use serde::Serialize;
-
-/// Rows of numbers.
-pub type Rows = Vec<Vec<f64>>;
 
 /// What an instance allows to be computed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -46,194 +49,10 @@ pub struct Audit {
     /// The best classifiers of the restricted class.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub population: Option<Population>,
+    /// Every bound that applies to what the instance has.
+    pub theorems: Vec<Bound>,
     /// Why a group is not there.
     pub left_out: Vec<String>,
-}
-
-/// Exact evaluation.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct Eval {
-    /// J of the expert.
-    pub J_star: f64,
-    /// d of the expert, by state.
-    pub d_star: Vec<f64>,
-    /// What the stationary policy does.
-    #[serde(flatten)]
-    pub stationary: Option<Stationary>,
-    /// J of one policy a step.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub J_ns: Option<f64>,
-}
-
-/// Exact evaluation of a stationary policy.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct Stationary {
-    /// J(pi).
-    pub J: f64,
-    /// d^t_pi(s), `[t][s]`.
-    pub d_t: Rows,
-    /// d_pi(s).
-    pub d: Vec<f64>,
-    /// 0-1 loss under the expert's states.
-    pub eps: f64,
-    /// 0-1 loss under its own states.
-    pub e_own: f64,
-    /// T^2 eps - (J - J*): what Theorem 2.1 gives away.
-    pub thm21_gap: f64,
-    /// sum_t e_t (T-t+1): the sharper form of the bound on J - J*.
-    pub thm21_refined_bound: f64,
-}
-
-/// Forward training.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct ForwardGroup {
-    /// J(pi^i), i = 0, ..., T.
-    pub J: Vec<f64>,
-    /// A(pi^{i-1}, pi_i^i), i = 1, ..., T.
-    pub adv: Vec<f64>,
-    /// eps_i.
-    pub eps: Vec<f64>,
-    /// u_i, the supremum taken over actions.
-    pub u: Vec<f64>,
-    /// J* + sum eps_i u_i.
-    pub bound: f64,
-    /// d^i of pi^{i-1}, `[i][s]`.
-    pub d_i: Rows,
-}
-
-/// k-th order quantities, k = 0, ..., T.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct Korder {
-    /// The policy that acts at the T-k steps.
-    pub base: String,
-    /// The policy that acts at the k steps.
-    pub alt: String,
-    /// Jbar_k.
-    pub Jbar: Vec<f64>,
-    /// A_k.
-    pub A: Vec<f64>,
-    /// D_k, `[k][s]`.
-    pub D: Rows,
-}
-
-/// SMILe; index n of a list from 0, j-1 of the others.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct SmileGroup {
-    /// p_n, from 0.
-    pub p: Vec<f64>,
-    /// The weights of pi^N: the expert's first.
-    pub weights: Vec<f64>,
-    /// The weights of pitilde^N.
-    pub tilde_weights: Vec<f64>,
-    /// J(pi^n), from 0.
-    pub J_pi: Vec<f64>,
-    /// J(pitilde^n), from 0.
-    pub J_tilde: Vec<Option<f64>>,
-    /// pi^N, `[s][a]`.
-    pub pi_N: Rows,
-    /// pitilde^N.
-    pub tilde_N: Rows,
-    /// eps_j.
-    pub eps: Vec<f64>,
-    /// A_1(pi^{j-1}, hat*^j | pi*).
-    pub A1_given_star: Vec<f64>,
-    /// A_1(pi^{j-1}, hat^j) = p_{j-1} A_1(pi^{j-1}, hat*^j | pi*).
-    pub A1_hat: Vec<f64>,
-    /// A_k(pi^{j-1}, hat^j), `[j-1][k]`.
-    pub Ak: Rows,
-    /// Lemma 4.1's right side, `[n-1][k-1]`.
-    pub lemma41_rhs: Rows,
-    /// The right sides of the bounds, from 0.
-    pub bounds: Vec<Option<SmileBounds>>,
-    /// The least n with p_n <= 1/T^2.
-    pub n_to_T2: f64,
-}
-
-/// SEARN; index n of a list from 0, j-1 of the others.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct SearnGroup {
-    /// The weights of pi^n, from 0: the expert's first.
-    pub weights: Rows,
-    /// The weights of pitilde^N.
-    pub tilde_weights: Vec<f64>,
-    /// J(pi^n), from 0.
-    pub J_pi: Vec<f64>,
-    /// J(pitilde^n), from 0.
-    pub J_tilde: Vec<Option<f64>>,
-    /// A_k(pi^{j-1}, h_j), `[j-1][k]`.
-    pub A: Rows,
-    /// Lemma 4.1's right side at k = 1, after n = 1, ..., N rounds.
-    pub rhs_lemma41_k1: Vec<f64>,
-    /// The right side of conservative policy iteration's bound.
-    pub rhs_cpi: Vec<f64>,
-}
-
-/// The laws of [`Reuse`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ReuseGroup {
-    /// beta_n.
-    pub beta: Vec<f64>,
-    /// c_{n,k}, `[n-1][k]`.
-    pub c: Rows,
-    /// The expected share of new trajectories of Algorithm 4.2.
-    pub new_frac42: Vec<f64>,
-    /// That of Algorithm 4.3.
-    pub new_frac43: Vec<f64>,
-    /// d of pi^n, from 0, `[n][t][s]`.
-    pub d_true: Vec<Rows>,
-    /// The data set of Algorithm 4.2 if the last one was right.
-    pub d_42_paper_onestep: Vec<Rows>,
-    /// The data set of Algorithm 4.2, from 0.
-    pub d_42_paper_chain: Vec<Rows>,
-    /// A new trajectory of Algorithm 4.2.
-    pub d_42_fresh_paper: Vec<Rows>,
-    /// A new trajectory of Algorithm 4.2 repaired.
-    pub d_42_fresh_exact: Vec<Rows>,
-    /// The right side of Lemma 4.3.
-    pub d_43_lemma_rhs: Vec<Rows>,
-    /// The data set of Algorithm 4.3, from 0.
-    pub d_43_paper_chain: Vec<Rows>,
-    /// A new trajectory of Algorithm 4.3, `[n-1][k-1][t][s]`.
-    pub d_43_fresh_paper: Vec<Vec<Rows>>,
-    /// A new trajectory of Algorithm 4.3 repaired.
-    pub d_43_fresh_exact: Vec<Vec<Rows>>,
-    /// D_k^{pi*}(pitilde^n), `[n-1][k][t][s]`.
-    pub d_k: Vec<Vec<Rows>>,
-}
-
-/// Training with infinitely many samples: tables, then margins.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[allow(non_snake_case)]
-pub struct Population {
-    /// One table and its margin.
-    pub supervised: (Rows, f64),
-    /// One table a step.
-    pub forward: (Vec<Rows>, Vec<f64>),
-    /// One table a round.
-    pub smile: (Vec<Rows>, Vec<f64>),
-    /// One table a round.
-    pub searn: (Vec<Rows>, Vec<f64>),
-    /// What the results cost.
-    pub J: PopulationCosts,
-}
-
-/// Exact costs of the policies that population training ends with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct PopulationCosts {
-    /// Of the one classifier.
-    pub supervised: f64,
-    /// Of the classifiers, one a step.
-    pub forward: f64,
-    /// Of SMILe's pitilde^N.
-    pub smile_tilde: f64,
-    /// Of SEARN's pitilde^N.
-    pub searn_tilde: f64,
 }
 
 /// The most numbers that the laws of reuse may have in an audit; beyond it they are left out.
@@ -245,8 +64,16 @@ pub const MOST_NUMBERS: usize = 4_000_000;
 /// A table of the wrong shape; an instance that was read has none.
 pub fn audit(instance: &Instance) -> Result<Audit> {
     let mut audit = Audit { eval: Some(eval(instance)?), ..Audit::default() };
+    if let Some(policy) = &instance.policy {
+        audit.theorems.push(bounds::theorem_2_1(&instance.mdp, policy)?);
+        audit.theorems.push(bounds::theorem_2_1_sharp(&instance.mdp, policy)?);
+    }
     match &instance.ladder {
-        Some(ladder) => audit.forward = Some(forward(&instance.mdp, ladder)?),
+        Some(ladder) => {
+            let forward = Forward::of(&instance.mdp, ladder)?;
+            audit.theorems.extend(bounds::of_forward(&forward));
+            audit.forward = Some(self::forward(forward));
+        }
         None => audit.left_out.push("forward: the instance has no pis".into()),
     }
     match (&instance.policy, instance.hats.as_ref().and_then(|hats| hats.first())) {
@@ -285,7 +112,10 @@ fn mixtures(audit: &mut Audit, mdp: &Mdp, hats: &[Table], rate: f64) -> Result<(
         audit.left_out.push(format!("reuse: {numbers} numbers a law (N T (T+1) S), more than {MOST_NUMBERS}"));
     }
     audit.smile = Some(self::smile(&smile));
-    audit.searn = Some(searn(&Mixing::of(mdp, Proposal::Searn, hats, rate)?));
+    let searn = Mixing::of(mdp, Proposal::Searn, hats, rate)?;
+    audit.theorems.extend(bounds::of_smile(&smile));
+    audit.theorems.extend(bounds::of_searn(&searn));
+    audit.searn = Some(self::searn(&searn));
     Ok(())
 }
 
@@ -297,7 +127,7 @@ fn eval(instance: &Instance) -> Result<Eval> {
     Ok(Eval { J_star: star.cost, d_star: star.mean().to_vec(), stationary, J_ns: per_step.map(|own| own.cost) })
 }
 
-fn stationary(mdp: &Mdp, policy: &Table, star: &super::Evaluation) -> Result<Stationary> {
+fn stationary(mdp: &Mdp, policy: &Table, star: &Evaluation) -> Result<Stationary> {
     let own = evaluate(mdp, policy)?;
     let errors = mdp.errors(policy);
     let (horizon, mean) = (mdp.horizon(), own.mean());
@@ -315,16 +145,15 @@ fn stationary(mdp: &Mdp, policy: &Table, star: &super::Evaluation) -> Result<Sta
     })
 }
 
-fn forward(mdp: &Mdp, ladder: &[Table]) -> Result<ForwardGroup> {
-    let forward = Forward::of(mdp, ladder)?;
-    Ok(ForwardGroup {
+fn forward(forward: Forward) -> ForwardGroup {
+    ForwardGroup {
         J: forward.costs,
         adv: forward.disadvantages,
         eps: forward.errors,
         u: forward.stakes,
         bound: forward.bound,
         d_i: forward.visits.iter().map(|row| row.to_vec()).collect(),
-    })
+    }
 }
 
 fn korder(mdp: &Mdp, policy: &Table, hat: &Table) -> Result<Korder> {
@@ -401,7 +230,7 @@ fn population(mdp: &Mdp, view: &[usize], rounds: usize, rate: f64) -> Result<Pop
     let (supervised, margin) = class.supervised()?;
     let (forward, smile, searn) = (class.forward(), class.smile(rate, rounds)?, class.searn(rate, rounds)?);
     let mixed = |proposal, choices: &[Choice]| -> Result<f64> {
-        let mut mixer = super::mixing::Mixer::new(mdp, proposal, rate)?;
+        let mut mixer = Mixer::new(mdp, proposal, rate)?;
         choices.iter().for_each(|(table, _)| drop(mixer.advance(table)));
         Ok(evaluate(mdp, mixer.unsupervised().unwrap_or(mixer.policy()))?.cost)
     };
