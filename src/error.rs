@@ -43,6 +43,18 @@ pub enum Error {
         /// What to do about it.
         remedy: String,
     },
+    /// An instance of the theory commands is well-formed JSON, but one of its values cannot be.
+    #[error("{}: {at}: {problem}; expected {expected}", path.display())]
+    Instance {
+        /// The file, or a name in angle brackets for an instance that was made in memory.
+        path: PathBuf,
+        /// The value within the instance, such as `P[2][0]`.
+        at: String,
+        /// What stands there.
+        problem: String,
+        /// What should stand there.
+        expected: String,
+    },
     /// The operating system refused.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
@@ -69,6 +81,22 @@ impl Error {
     /// A file that is not what it should be.
     pub fn file(path: impl AsRef<Path>, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Error::File { path: path.as_ref().to_owned(), problem: problem.into(), remedy: remedy.into() }
+    }
+
+    /// A value of an instance that cannot be; [`Error::within`] adds the file.
+    pub fn instance(at: impl Into<String>, problem: impl Into<String>, expected: impl Into<String>) -> Self {
+        let path = PathBuf::from("<instance>");
+        Error::Instance { path, at: at.into(), problem: problem.into(), expected: expected.into() }
+    }
+
+    /// The same error, said to come from the file at `file` if it is an error of an instance.
+    pub fn within(self, file: impl AsRef<Path>) -> Self {
+        match self {
+            Error::Instance { at, problem, expected, .. } => {
+                Error::Instance { path: file.as_ref().to_owned(), at, problem, expected }
+            }
+            other => other,
+        }
     }
 
     /// The operating system's refusal to `action` the file at `path`.

@@ -10,6 +10,7 @@ mod inspect;
 mod options;
 mod progress;
 mod tag;
+mod theory;
 mod train;
 
 use crate::error::{Error, Result};
@@ -58,6 +59,8 @@ enum Command {
     Generate(generate::Generate),
     /// Tell what is in a model file
     Inspect(inspect::Inspect),
+    /// Exact values, bounds and bills in advance
+    Theory(theory::Theory),
 }
 
 /// Runs the program with the arguments of the process.
@@ -85,6 +88,7 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Compare(command) => command.run(&cli.global),
         Command::Generate(command) => command.run(&cli.global),
         Command::Inspect(command) => command.run(&cli.global),
+        Command::Theory(command) => command.run(&cli.global),
     }
 }
 

@@ -1,0 +1,168 @@
+//! The k-th order quantities of Section 4: what happens when pi' acts at k of the T steps and pi at the others.
+//!
+//! Jbar_k^pi(pi') averages the cost over all C(T,k) choices of the k steps, A_k(pi, pi') = Jbar_k - J(pi) is the k-th order policy
+//! disadvantage, D_k^pi(pi') the state frequencies. Enumeration is not needed: step t belongs to a uniform j-subset of the first t steps
+//! with probability j/t, so with F_t[j] the state distribution after t steps of which a uniform j-subset was pi's substitute,
+//!
+//! F_t[j] = (j/t) F_{t-1}[j-1] P_{pi'} + (1-j/t) F_{t-1}[j] P_pi,
+//!
+//! one product of a (t+1) x S matrix with each chain per step. How many of the k steps fall among the first t is hypergeometric.
+//! Everything for all k at once costs O(T^2 (S^2 + T S)).
+
+use super::mdp::Mdp;
+use super::table::Table;
+use crate::error::Result;
+use ndarray::{Array1, Array2, Array3, ArrayView2, Axis, Slice};
+
+/// The k-th order quantities of one pair of policies, k = 0, ..., T.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orders {
+    /// `costs[k]`: Jbar_k; at 0 the cost of pi, at T that of pi'.
+    pub costs: Vec<f64>,
+    /// `disadvantages[k]`: A_k = Jbar_k - Jbar_0.
+    pub disadvantages: Vec<f64>,
+    /// `frequencies[k,s]`: D_k, averaged over the steps.
+    pub frequencies: Array2<f64>,
+}
+
+/// All k-th order quantities of `substitute` with respect to `base`.
+///
+/// # Errors
+/// A table of the wrong shape.
+pub fn orders(mdp: &Mdp, base: &Table, substitute: &Table) -> Result<Orders> {
+    mdp.admit(base)?;
+    mdp.admit(substitute)?;
+    let horizon = mdp.horizon();
+    let (charge, charge_substitute) = (mdp.charge(base), mdp.charge(substitute));
+    let mut split = Split::new(horizon);
+    let mut costs = Array1::<f64>::zeros(horizon + 1);
+    let mut frequencies = Array2::zeros((horizon + 1, mdp.states()));
+    let mut prefixes = Prefixes::new(mdp, base, substitute);
+    for t in 1..=horizon {
+        // F_{t-1}[j]: the states at the t-th step.
+        let now = prefixes.rows();
+        frequencies += &split.weights().dot(&now);
+        let stay = now.dot(&charge);
+        let swap = now.dot(&charge_substitute);
+        split.advance();
+        let step: Array1<f64> = (0..=t).map(|j| share(j, t, |j| swap[j], |j| stay[j])).collect();
+        costs += &split.weights().dot(&step);
+        if t < horizon {
+            prefixes.advance();
+        }
+    }
+    frequencies /= horizon as f64;
+    let disadvantages = costs.iter().map(|cost| cost - costs[0]).collect();
+    Ok(Orders { costs: costs.to_vec(), disadvantages, frequencies })
+}
+
+/// `[k,t,s]`: the law of the state at every step, when `substitute` acts at k uniformly chosen steps and `base` at the others.
+///
+/// # Errors
+/// A table of the wrong shape.
+pub fn laws(mdp: &Mdp, base: &Table, substitute: &Table) -> Result<Array3<f64>> {
+    mdp.admit(base)?;
+    mdp.admit(substitute)?;
+    let horizon = mdp.horizon();
+    let mut laws = Array3::zeros((horizon + 1, horizon, mdp.states()));
+    let mut split = Split::new(horizon);
+    let mut prefixes = Prefixes::new(mdp, base, substitute);
+    for t in 0..horizon {
+        laws.index_axis_mut(Axis(1), t).assign(&split.weights().dot(&prefixes.rows()));
+        split.advance();
+        prefixes.advance();
+    }
+    Ok(laws)
+}
+
+/// (j/t) swap(j-1) + (1-j/t) stay(j), without asking for what has no weight.
+fn share(j: usize, t: usize, swap: impl Fn(usize) -> f64, stay: impl Fn(usize) -> f64) -> f64 {
+    let swapped = if j > 0 { j as f64 / t as f64 * swap(j - 1) } else { 0.0 };
+    let stayed = if j < t { (t - j) as f64 / t as f64 * stay(j) } else { 0.0 };
+    swapped + stayed
+}
+
+/// F_t: `rows[j,s]`, j = 0, ..., t.
+pub(super) struct Prefixes {
+    t: usize,
+    base: Array2<f64>,
+    substitute: Array2<f64>,
+    rows: Array2<f64>,
+}
+
+impl Prefixes {
+    /// F_0, the initial distribution. The tables fit the problem.
+    pub(super) fn new(mdp: &Mdp, base: &Table, substitute: &Table) -> Self {
+        let mut rows = Array2::zeros((mdp.horizon() + 1, mdp.states()));
+        rows.row_mut(0).assign(mdp.start());
+        Prefixes { t: 0, base: mdp.chain(base), substitute: mdp.chain(substitute), rows }
+    }
+
+    /// `[j,s]`, j = 0, ..., t.
+    pub(super) fn rows(&self) -> ArrayView2<'_, f64> {
+        first(&self.rows, Axis(0), self.t + 1)
+    }
+
+    /// From F_t to F_{t+1}.
+    pub(super) fn advance(&mut self) {
+        let now = first(&self.rows, Axis(0), self.t + 1);
+        let (stay, swap) = (now.dot(&self.base), now.dot(&self.substitute));
+        self.t += 1;
+        if self.t < self.rows.nrows() {
+            blend(&mut self.rows, self.t, &stay, &swap);
+        }
+    }
+}
+
+/// The first `count` rows or columns, all of them if there are fewer.
+fn first(matrix: &Array2<f64>, axis: Axis, count: usize) -> ArrayView2<'_, f64> {
+    matrix.slice_axis(axis, Slice::from(..count.min(matrix.len_of(axis))))
+}
+
+/// rows[j] = (j/t) swap[j-1] + (1-j/t) stay[j] for j = 0, ..., t; `stay` and `swap` have t rows.
+pub(super) fn blend(rows: &mut Array2<f64>, t: usize, stay: &Array2<f64>, swap: &Array2<f64>) {
+    for j in 0..=t {
+        let mut row = rows.row_mut(j);
+        row.fill(0.0);
+        if j > 0 {
+            row.scaled_add(j as f64 / t as f64, &swap.row(j - 1));
+        }
+        if j < t {
+            row.scaled_add((t - j) as f64 / t as f64, &stay.row(j));
+        }
+    }
+}
+
+/// How many of k uniformly chosen steps out of T fall among the first t: hypergeometric, for all k at once.
+pub(super) struct Split {
+    t: usize,
+    weights: Array2<f64>,
+}
+
+impl Split {
+    /// Before the first step.
+    pub(super) fn new(horizon: usize) -> Self {
+        let mut weights = Array2::zeros((horizon + 1, horizon + 1));
+        weights.column_mut(0).fill(1.0);
+        Split { t: 0, weights }
+    }
+
+    /// `[k,j]`: the probability that j of the k steps are among the first t; k = 0, ..., T and j = 0, ..., t.
+    pub(super) fn weights(&self) -> ArrayView2<'_, f64> {
+        first(&self.weights, Axis(1), self.t + 1)
+    }
+
+    /// From t to t+1 <= T: with j of k behind, the next of the T-t steps left is one of the k-j with probability (k-j)/(T-t).
+    pub(super) fn advance(&mut self) {
+        let horizon = self.weights.nrows() - 1;
+        let left = horizon.saturating_sub(self.t).max(1) as f64;
+        for (k, mut row) in self.weights.outer_iter_mut().enumerate() {
+            for j in (0..=k.min(self.t + 1)).rev() {
+                let stay = row[j] * (1.0 - (k - j) as f64 / left).max(0.0);
+                let swap = if j > 0 { row[j - 1] * ((k - j + 1) as f64 / left) } else { 0.0 };
+                row[j] = stay + swap;
+            }
+        }
+        self.t = (self.t + 1).min(horizon);
+    }
+}

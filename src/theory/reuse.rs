@@ -1,0 +1,260 @@
+//! The exact laws of SMILe's data sets when samples are reused: Algorithms 4.2 and 4.3 as printed, and repaired.
+//!
+//! Both algorithms keep an old trajectory when its policy would have been the same, and otherwise run a new one. The printed new one is
+//! not right: given that the new classifier acts at all, it puts it at *one* uniform step and lets the rest be drawn
+//! freely, which makes the number of its uses size-biased instead of conditioned on not being 0. It overuses the newest classifier.
+//!
+//! Repairs: for 4.2 the step of the *first* use is tau with probability a(1-a)^{tau-1}/(1-(1-a)^T), with the old policy before and the
+//! mixture after; for 4.3 the same over the k steps at which classifiers act, with 1-beta_n for a.
+//!
+//! All laws are `[t,s]`, the state distribution of every step. Everything here is polynomial: recursions over the steps of the kind of
+//! [`korder`](super::korder), with a flag for "the newest classifier has acted".
+
+use super::closed::{binomial, fresh42, fresh43, gone, kept, newest, older};
+use super::korder::{Prefixes, Split, blend, laws};
+use super::mdp::Mdp;
+use super::mixing::{Mixing, Proposal};
+use super::table::Table;
+use crate::error::{Error, Result};
+use ndarray::{Array1, Array2, Array3, Axis};
+
+/// The laws of N rounds. Lists "from 0" start with D_0, the expert's trajectories; index n-1 elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reuse {
+    /// beta_n: the share of classifier steps that the classifiers before round n keep.
+    pub older: Vec<f64>,
+    /// `split[n-1][k]`: c_{n,k}, the probability that classifiers act at k of the T steps of pi^n.
+    pub split: Vec<Vec<f64>>,
+    /// The expected share of new trajectories of Algorithm 4.2.
+    pub fresh42: Vec<f64>,
+    /// That of Algorithm 4.3.
+    pub fresh43: Vec<f64>,
+    /// d of pi^n, from 0: what a data set should be.
+    pub truth: Vec<Array2<f64>>,
+    /// `by_count[n-1][k,t,s]`: D_k^{pi*}(pitilde^n), trajectories of pi^n at which classifiers act at k steps.
+    pub by_count: Vec<Array3<f64>>,
+    /// A new trajectory of Algorithm 4.2 as printed.
+    pub printed42: Vec<Array2<f64>>,
+    /// A new trajectory of Algorithm 4.2 repaired.
+    pub exact42: Vec<Array2<f64>>,
+    /// The data set of Algorithm 4.2 as printed if the last one was right.
+    pub onestep42: Vec<Array2<f64>>,
+    /// The data set of Algorithm 4.2 as printed, from 0.
+    pub chain42: Vec<Array2<f64>>,
+    /// `printed43[n-1][k-1,t,s]`: a new trajectory of Algorithm 4.3 as printed.
+    pub printed43: Vec<Array3<f64>>,
+    /// `exact43[n-1][k-1,t,s]`: a new trajectory of Algorithm 4.3 repaired.
+    pub exact43: Vec<Array3<f64>>,
+    /// The right side of Lemma 4.3 as printed: the data set of Algorithm 4.3 if the last one was right.
+    pub lemma43: Vec<Array2<f64>>,
+    /// The data set of Algorithm 4.3 as printed, from 0.
+    pub chain43: Vec<Array2<f64>>,
+}
+
+impl Reuse {
+    /// The laws for the rounds of `mixing`, which mixed in `hats`.
+    ///
+    /// # Errors
+    /// A mixing that is not SMILe's, or not of these classifiers and this problem.
+    pub fn of(mdp: &Mdp, mixing: &Mixing, hats: &[Table]) -> Result<Self> {
+        if mixing.proposal != Proposal::Smile || mixing.rounds() != hats.len() || mixing.horizon() != mdp.horizon() {
+            return Err(Error::argument("mixing", "of another run", "SMILe with these classifiers on this problem"));
+        }
+        let (a, horizon) = (mixing.rate, mdp.horizon());
+        let rounds = 1..=mixing.rounds();
+        let truth: Vec<_> = mixing.evaluations.iter().map(|evaluation| evaluation.visits.clone()).collect();
+        let mut reuse = Reuse {
+            older: rounds.clone().map(|n| older(a, n)).collect(),
+            split: rounds.clone().map(|n| binomial(horizon, gone(a, n), kept(a, n))).collect(),
+            fresh42: rounds.clone().map(|_| fresh42(horizon, a)).collect(),
+            fresh43: rounds.clone().map(|n| fresh43(horizon, a, n)).collect(),
+            chain42: truth.iter().take(1).cloned().collect(),
+            chain43: truth.iter().take(1).cloned().collect(),
+            truth,
+            by_count: Vec::new(),
+            printed42: Vec::new(),
+            exact42: Vec::new(),
+            onestep42: Vec::new(),
+            printed43: Vec::new(),
+            exact43: Vec::new(),
+            lemma43: Vec::new(),
+        };
+        // D_n^k of the printed Algorithm 4.3; at k = 0 always the expert's.
+        let mut buckets = Array3::zeros((horizon + 1, horizon, mdp.states()));
+        buckets.index_axis_mut(Axis(0), 0).assign(&reuse.truth[0]);
+        for n in rounds {
+            reuse.first(mdp, mixing, n)?;
+            reuse.second(mdp, (mixing, &hats[n - 1]), n, &mut buckets)?;
+        }
+        Ok(reuse)
+    }
+
+    /// Algorithm 4.2 at round n.
+    fn first(&mut self, mdp: &Mdp, mixing: &Mixing, n: usize) -> Result<()> {
+        let (now, old, hat) = (&mixing.policies[n], &mixing.policies[n - 1], &mixing.proposals[n - 1]);
+        let (reused, fresh) = (kept(mixing.rate, mdp.horizon()), self.fresh42[n - 1]);
+        let printed = once(mdp, now, hat);
+        self.onestep42.push(&self.truth[n - 1] * reused + &printed * fresh);
+        let chain = &self.chain42[n - 1] * reused + &printed * fresh;
+        self.chain42.push(chain);
+        self.exact42.push(from_first_use(mdp, [old, hat, now], mixing.rate));
+        self.printed42.push(printed);
+        Ok(())
+    }
+
+    /// Algorithm 4.3 at round n, whose classifier is `hat`.
+    fn second(
+        &mut self,
+        mdp: &Mdp,
+        (mixing, hat): (&Mixing, &Table),
+        n: usize,
+        buckets: &mut Array3<f64>,
+    ) -> Result<()> {
+        let star = &mixing.policies[0];
+        let new = &mixing.unsupervised[n - 1];
+        // At round 1 there is no older classifier, and none is ever drawn.
+        let old = if n == 1 { hat } else { &mixing.unsupervised[n - 2] };
+        let cast = Cast { star, old, hat, new };
+        let printed = cast.printed(mdp);
+        let exact = cast.exact(mdp, self.older[n - 1]);
+        let before = if n == 1 { None } else { self.by_count.last() };
+        let (mut lemma, mut chain) = (&self.truth[0] * self.split[n - 1][0], &self.truth[0] * self.split[n - 1][0]);
+        let share = newest(mixing.rate, n);
+        for k in 1..=mdp.horizon() {
+            let (reused, fresh) = (self.older[n - 1].powi(k as i32), gone(share, k));
+            let run = printed.index_axis(Axis(0), k - 1);
+            let mut bucket = buckets.index_axis_mut(Axis(0), k);
+            bucket *= reused;
+            bucket.scaled_add(fresh, &run);
+            let mass = self.split[n - 1][k];
+            chain.scaled_add(mass, &bucket);
+            if let Some(before) = before {
+                lemma.scaled_add(mass * reused, &before.index_axis(Axis(0), k));
+            }
+            lemma.scaled_add(mass * fresh, &run);
+        }
+        self.lemma43.push(lemma);
+        self.chain43.push(chain);
+        self.printed43.push(printed);
+        self.exact43.push(exact);
+        self.by_count.push(laws(mdp, star, new)?);
+        Ok(())
+    }
+}
+
+/// `[t,s]`: `base` at every step but one uniform one, at which `substitute` acts.
+fn once(mdp: &Mdp, base: &Table, substitute: &Table) -> Array2<f64> {
+    let horizon = mdp.horizon() as f64;
+    let (stay, swap) = (mdp.chain(base), mdp.chain(substitute));
+    let mut law = Array2::zeros((mdp.horizon(), mdp.states()));
+    // Sub-distributions: the step has not come, the step is past.
+    let (mut before, mut after) = (mdp.start().clone(), Array1::zeros(mdp.states()));
+    for (t, mut row) in law.outer_iter_mut().enumerate() {
+        let (waiting, past) = ((horizon - t as f64) / horizon, &after);
+        row.assign(past);
+        row.scaled_add(waiting, &before);
+        after = after.dot(&stay) + before.dot(&swap) / horizon;
+        before = before.dot(&stay);
+    }
+    law
+}
+
+/// `[t,s]`: `old` before the first use of `hat`, `now` after it, the use at tau with probability proportional to (1-a)^{tau-1}.
+fn from_first_use(mdp: &Mdp, [old, hat, now]: [&Table; 3], rate: f64) -> Array2<f64> {
+    let [old, hat, now] = [old, hat, now].map(|table| mdp.chain(table));
+    let horizon = mdp.horizon();
+    // 1 + (1-a) + ... + (1-a)^{m-1}: the unnormalised probability of a use within m steps.
+    let within = |m: usize| gone(rate, m) / rate;
+    let mut law = Array2::zeros((horizon, mdp.states()));
+    let (mut before, mut after) = (mdp.start().clone(), Array1::<f64>::zeros(mdp.states()));
+    for (t, mut row) in law.outer_iter_mut().enumerate() {
+        row.assign(&after);
+        row.scaled_add(kept(rate, t) * within(horizon - t), &before);
+        after = after.dot(&now) + before.dot(&hat) * kept(rate, t);
+        before = before.dot(&old);
+    }
+    law / within(horizon)
+}
+
+/// Who acts in a new trajectory of Algorithm 4.3: the expert, the older classifiers, the newest, all of them.
+struct Cast<'a> {
+    star: &'a Table,
+    old: &'a Table,
+    hat: &'a Table,
+    new: &'a Table,
+}
+
+impl Cast<'_> {
+    /// `[k-1,t,s]`: at k uniform steps classifiers act, at one of them the newest, at the others all of them, drawn.
+    ///
+    /// H_t[j], like F_t[j] of `korder` with the one step among the first t: H_t[j] = (1/t) F_{t-1}[j-1] P_hat + ((j-1)/t) H_{t-1}[j-1] P_new
+    /// + (1-j/t) H_{t-1}[j] P_star.
+    fn printed(&self, mdp: &Mdp) -> Array3<f64> {
+        let horizon = mdp.horizon();
+        let [star, hat, new] = [self.star, self.hat, self.new].map(|table| mdp.chain(table));
+        let mut laws = Array3::zeros((horizon, horizon, mdp.states()));
+        let mut done = Array2::<f64>::zeros((horizon + 1, mdp.states()));
+        let (mut split, mut prefixes) = (Split::new(horizon), Prefixes::new(mdp, self.star, self.new));
+        for t in 0..horizon {
+            let open = prefixes.rows();
+            let behind = done.slice_axis(Axis(0), (..t + 1).into());
+            let (mut past, mut ahead) = (split.weights().to_owned(), split.weights().to_owned());
+            for ((k, j), weight) in past.indexed_iter_mut() {
+                *weight *= j as f64 / k.max(1) as f64;
+            }
+            ahead -= &past;
+            let law = past.dot(&behind) + ahead.dot(&open);
+            laws.index_axis_mut(Axis(1), t).assign(&law.slice_axis(Axis(0), (1..).into()));
+            let (stay, mut swap) = (behind.dot(&star), behind.dot(&new));
+            let use_now = open.dot(&hat);
+            for (i, mut row) in swap.outer_iter_mut().enumerate() {
+                row *= i as f64 / (i + 1) as f64;
+                row.scaled_add(1.0 / (i + 1) as f64, &use_now.row(i));
+            }
+            blend(&mut done, t + 1, &stay, &swap);
+            prefixes.advance();
+            split.advance();
+        }
+        laws
+    }
+
+    /// `[k-1,t,s]`: at k uniform steps classifiers act, each the newest with probability 1-beta, given that it is at least once.
+    ///
+    /// With Z_t[j] the law when all j are older ones and G_t[j] the sub-distribution, divided by 1-beta, when some are not:
+    /// G_t[j] = (j/t)(G_{t-1}[j-1] P_new + beta^{j-1} Z_{t-1}[j-1] P_hat) + (1-j/t) G_{t-1}[j] P_star.
+    fn exact(&self, mdp: &Mdp, beta: f64) -> Array3<f64> {
+        let horizon = mdp.horizon();
+        let [star, hat, new] = [self.star, self.hat, self.new].map(|table| mdp.chain(table));
+        let powers: Vec<f64> = (0..=horizon).map(|j| beta.powi(j as i32)).collect();
+        // some[m] = (1-beta^m)/(1-beta), without dividing by what can be 0.
+        let mut some = vec![0.0; horizon + 1];
+        for m in 0..horizon {
+            some[m + 1] = some[m] + powers[m];
+        }
+        let mut laws = Array3::zeros((horizon, horizon, mdp.states()));
+        let mut done = Array2::<f64>::zeros((horizon + 1, mdp.states()));
+        let (mut split, mut prefixes) = (Split::new(horizon), Prefixes::new(mdp, self.star, self.old));
+        for t in 0..horizon {
+            let open = prefixes.rows();
+            let behind = done.slice_axis(Axis(0), (..t + 1).into());
+            let mut ahead = split.weights().to_owned();
+            for ((k, j), weight) in ahead.indexed_iter_mut() {
+                *weight *= powers[j] * some[k.saturating_sub(j)];
+            }
+            let law = split.weights().dot(&behind) + ahead.dot(&open);
+            for k in 1..=horizon {
+                let row = &law.row(k) / some[k];
+                laws.index_axis_mut(Axis(0), k - 1).row_mut(t).assign(&row);
+            }
+            let (stay, mut swap) = (behind.dot(&star), behind.dot(&new));
+            let use_now = open.dot(&hat);
+            for (j, mut row) in swap.outer_iter_mut().enumerate() {
+                row.scaled_add(powers[j], &use_now.row(j));
+            }
+            blend(&mut done, t + 1, &stay, &swap);
+            prefixes.advance();
+            split.advance();
+        }
+        laws
+    }
+}
