@@ -13,6 +13,7 @@ mod linear;
 mod logistic;
 mod perceptron;
 pub mod reduce;
+mod tabular;
 mod wap;
 
 pub use csoaa::Csoaa;
@@ -20,6 +21,7 @@ pub use examples::{Examples, Target};
 pub use linear::{Course, Descent, Lesson, Rule};
 pub use logistic::Logistic;
 pub use perceptron::Perceptron;
+pub use tabular::Tabular;
 pub use wap::Wap;
 
 use crate::policy::Classifier;

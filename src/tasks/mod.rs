@@ -1,3 +1,4 @@
 //! The tasks: spaces with their experts and losses.
 
+pub mod tabular;
 pub mod tagging;

@@ -21,7 +21,7 @@ impl Table {
     }
 
     /// The deterministic policy that takes `choice[s]` in state s; a choice from `actions` on takes no action at all.
-    pub(super) fn sure(choice: &[usize], actions: usize) -> Self {
+    pub(crate) fn sure(choice: &[usize], actions: usize) -> Self {
         Table(Array2::from_shape_fn((choice.len(), actions), |(s, a)| f64::from(u8::from(choice[s] == a))))
     }
 

@@ -292,3 +292,128 @@ impl<P: Problem> Pool<P> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::{Columns, Linear, Weights};
+    use crate::space::Imitation;
+    use crate::tasks::tabular::{Tabled, Tabular};
+    use crate::theory::mixing::{Mixing, Proposal};
+    use crate::theory::{Mdp, Parts, Table, reuse};
+    use ndarray::{Array1, Array2, Array3};
+
+    type Small = Imitation<Tabular, Tabled>;
+
+    const SLOTS: usize = 20_000;
+
+    /// The classifier that takes `choice[s]` in state s, which it sees.
+    fn classifier(choice: &[usize], actions: usize) -> Linear {
+        let mut weights = Weights::new(choice.len(), actions, 1);
+        choice.iter().enumerate().for_each(|(s, a)| weights.row_mut(s as u32)[*a] = 1.0);
+        Linear { actions, columns: Columns::Actions, weights }
+    }
+
+    /// Three states in which it matters early who acts, and noise.
+    fn problem() -> Mdp {
+        let next = |s: usize, a: usize| match (s, a) {
+            (0, 0) => [0.875, 0.125, 0.0],
+            (0, _) => [0.0, 0.25, 0.75],
+            (1, 0) => [0.5, 0.5, 0.0],
+            (1, _) => [0.0, 0.0, 1.0],
+            (_, 0) => [0.0, 0.25, 0.75],
+            (_, _) => [0.25, 0.75, 0.0],
+        };
+        Mdp::new(Parts {
+            horizon: 4,
+            start: Array1::from(vec![0.75, 0.25, 0.0]),
+            next: Array3::from_shape_fn((3, 2, 3), |(s, a, to)| next(s, a)[to]),
+            cost: Array2::zeros((3, 2)),
+            expert: vec![0, 0, 0],
+        })
+        .expect("a valid problem")
+    }
+
+    /// The share of slots in each state at each step, `[t,s]`, of D_1, D_2, ... made with these classifiers.
+    fn shares(reuse: Reuse, alpha: f64, mdp: &Mdp, hats: &[Vec<usize>]) -> Vec<Array2<f64>> {
+        let view: Vec<usize> = (0..mdp.states()).collect();
+        let problem = Tabular::new(mdp.clone(), &view).expect("a view a state").problem(SLOTS);
+        let mut pool = Pool::<Small>::new(reuse, alpha, Seed::new(5));
+        let mut policy = Mixture::of_expert();
+        let mut shares = Vec::new();
+        for n in 0..=hats.len() {
+            let round = pool.refresh(&problem, &policy, Seed::new(17).child(Purpose::Round, n as u64));
+            let examples = round.expect("horizons are known").0.examples;
+            let mut table = Array2::zeros((mdp.horizon(), mdp.states()));
+            for i in 0..examples.len() {
+                table[[i % mdp.horizon(), examples.views().get(i).1[0] as usize]] += 1.0 / SLOTS as f64;
+            }
+            shares.push(table);
+            if let Some(choice) = hats.get(n) {
+                policy.replace_expert(alpha, classifier(choice, mdp.actions()));
+            }
+        }
+        shares.split_off(1)
+    }
+
+    /// The largest chi-square over the steps, two degrees of freedom each.
+    fn chi_square(shares: &Array2<f64>, law: &Array2<f64>) -> f64 {
+        let row = |t: usize| {
+            let terms = shares.row(t).into_iter().zip(law.row(t)).filter(|(_, p)| **p > 0.0);
+            SLOTS as f64 * terms.map(|(share, p)| (share - p).powi(2) / p).sum::<f64>()
+        };
+        (0..shares.nrows()).map(row).fold(0.0, f64::max)
+    }
+
+    /// A chi-square of two degrees of freedom exceeds 40 with probability 2e-9; below there are 60 of them. The seeds are fixed: the
+    /// test passes always or never.
+    #[test]
+    fn data_sets_follow_their_exact_laws() {
+        let (mdp, alpha, hats) = (problem(), 0.3, [vec![1, 0, 1], vec![0, 1, 1], vec![1, 1, 0]]);
+        let tables: Vec<Table> = hats.iter().map(|choice| Table::deterministic(choice, 2).expect("actions")).collect();
+        let mixing = Mixing::of(&mdp, Proposal::Smile, &tables, alpha).expect("a rate");
+        let laws = reuse::Reuse::of(&mdp, &mixing, &tables).expect("laws");
+        let kinds = [
+            (Reuse::Ageing, &laws.truth),
+            (Reuse::Coins, &laws.truth),
+            (Reuse::Sites, &laws.truth),
+            (Reuse::Printed42, &laws.chain42),
+            (Reuse::Printed43, &laws.chain43),
+        ];
+        for (kind, law) in kinds {
+            let shares = shares(kind, alpha, &mdp, &hats);
+            for (n, (shares, law)) in shares.iter().zip(&law[1..]).enumerate() {
+                let chi = chi_square(shares, law);
+                assert!(chi < 40.0, "{kind:?}, n = {}: chi-square {chi}", n + 1);
+            }
+        }
+    }
+
+    /// The smallest counterexamples: what the printed procedures get wrong is seen, and the exact ones get it right.
+    #[test]
+    fn printed_procedures_overuse_the_newest_policy() {
+        let next = |s: usize, a: usize| if s == 1 || a == 1 { [0.0, 1.0] } else { [1.0, 0.0] };
+        let mdp = Mdp::new(Parts {
+            horizon: 2,
+            start: Array1::from(vec![1.0, 0.0]),
+            next: Array3::from_shape_fn((2, 2, 2), |(s, a, to)| next(s, a)[to]),
+            cost: Array2::zeros((2, 2)),
+            expert: vec![0, 0],
+        })
+        .expect("a valid problem");
+        let (a, sd) = (0.5, 0.5 / (SLOTS as f64).sqrt());
+        // Algorithm 4.2: d^2(1) = a, but it gives a + a^2 (1-a) / 2.
+        let moves = [vec![1, 0]];
+        let printed = shares(Reuse::Printed42, a, &mdp, &moves)[0][[1, 1]];
+        assert!((printed - (a + a * a * (1.0 - a) / 2.0)).abs() < 6.0 * sd, "{printed}");
+        assert!((shares(Reuse::Coins, a, &mdp, &moves)[0][[1, 1]] - a).abs() < 6.0 * sd);
+        // Algorithm 4.3: d^2(1) = a (1-a), but it adds a^2 (1-a)^2 / (2 (2-a)).
+        let second = [vec![0, 0], vec![1, 0]];
+        let (truth, bias) = (a * (1.0 - a), (a * (1.0 - a)).powi(2) / (2.0 * (2.0 - a)));
+        let printed = shares(Reuse::Printed43, a, &mdp, &second)[1][[1, 1]];
+        assert!((printed - truth - bias).abs() < 6.0 * sd && bias > 5.0 * sd, "{printed}");
+        for exact in [Reuse::Sites, Reuse::Ageing] {
+            assert!((shares(exact, a, &mdp, &second)[1][[1, 1]] - truth).abs() < 6.0 * sd, "{exact:?}");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! A tabular problem as a task: what theory evaluates exactly, every trainer can also run on by sampling.
+
+use crate::error::{Error, Result};
+use crate::policy::Linear;
+use crate::seed::{Purpose, Seed};
+use crate::space::{Action, Actions, CostToGo, Episode, Expert, FeatureTable, Features, Imitation, NO_ROW, Space};
+use crate::theory::{Mdp, Table, evaluate};
+use ndarray::{Array3, ArrayView1, Axis};
+
+/// A tabular problem as a space. A policy sees one feature: `view[s]` of the state it is in.
+#[derive(Clone, Debug)]
+pub struct Tabular {
+    mdp: Mdp,
+    view: Vec<u32>,
+    table: FeatureTable,
+    /// The expert's own `action_value[t,s,a]`.
+    expert: Array3<f64>,
+}
+
+/// A step and a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct At {
+    /// The step, from 0.
+    pub t: usize,
+    /// The state.
+    pub s: usize,
+}
+
+/// The expert of a tabular problem.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tabled;
+
+impl Tabular {
+    /// The space of `mdp`, in which a policy sees `view[s]` of state s.
+    ///
+    /// # Errors
+    /// When there is not one view a state.
+    pub fn new(mdp: Mdp, view: &[usize]) -> Result<Self> {
+        if view.len() != mdp.states() {
+            return Err(Error::argument("view", format!("{} numbers", view.len()), format!("{}", mdp.states())));
+        }
+        let expert = evaluate(&mdp, &mdp.star())?.action_value;
+        let table = FeatureTable::new(view.iter().max().map_or(0, |most| most + 1));
+        Ok(Tabular { mdp, view: view.iter().map(|seen| *seen as u32).collect(), table, expert })
+    }
+
+    /// The problem of imitating its expert on `episodes` episodes a round.
+    pub fn problem(self, episodes: usize) -> Imitation<Tabular, Tabled> {
+        Imitation { space: self, expert: Tabled, episodes }
+    }
+
+    /// The tabular problem.
+    pub fn mdp(&self) -> &Mdp {
+        &self.mdp
+    }
+
+    /// What `classifier` does in each state, as a table.
+    pub fn table_of(&self, classifier: &Linear) -> Table {
+        let actions = self.mdp.actions();
+        let choice: Vec<usize> = (self.view.iter())
+            .map(|seen| {
+                let scores = classifier.weights.row(*seen).map_or(vec![0.0; actions], |row| row[..actions].to_vec());
+                Actions::All(actions as u32).best(&scores).index()
+            })
+            .collect();
+        Table::sure(&choice, actions)
+    }
+}
+
+/// What falls to `unit` when every index is as long as its probability.
+fn draw(probabilities: ArrayView1<'_, f64>, unit: f64) -> usize {
+    let mut below = 0.0;
+    let mut last = 0;
+    for (i, p) in probabilities.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        below += p;
+        last = i;
+        if unit < below {
+            break;
+        }
+    }
+    last
+}
+
+impl Space for Tabular {
+    type State = At;
+    type View = Features;
+
+    fn start(&self, episode: Episode) -> At {
+        At { t: 0, s: draw(self.mdp.start().view(), episode.seed.child(Purpose::Episode, 0).unit()) }
+    }
+
+    fn legal<'a>(&'a self, state: &'a At) -> Actions<'a> {
+        if state.t < self.mdp.horizon() { Actions::All(self.mdp.actions() as u32) } else { Actions::NONE }
+    }
+
+    fn look(&self, state: &At, view: &mut Features) {
+        view.row = NO_ROW;
+        view.dynamic.clear();
+        view.dynamic.push(self.view[state.s]);
+    }
+
+    fn step(&self, state: &mut At, action: Action, seed: Seed) -> f64 {
+        let (s, a) = (state.s, action.index());
+        let next = self.mdp.next().index_axis(Axis(0), s).index_axis_move(Axis(0), a);
+        *state = At { t: state.t + 1, s: draw(next, seed.child(Purpose::Step, 0).unit()) };
+        self.mdp.cost()[[s, a]]
+    }
+
+    fn actions(&self) -> usize {
+        self.mdp.actions()
+    }
+
+    fn horizon(&self, _: usize) -> Option<usize> {
+        Some(self.mdp.horizon())
+    }
+
+    fn shared(&self) -> &FeatureTable {
+        &self.table
+    }
+}
+
+impl Expert<Tabular> for Tabled {
+    fn action(&self, space: &Tabular, state: &At) -> Option<Action> {
+        Some(Action(space.mdp.expert()[state.s] as u32))
+    }
+}
+
+impl CostToGo<Tabular> for Tabled {
+    fn costs(&self, space: &Tabular, state: &At, costs: &mut Vec<f64>) {
+        costs.clear();
+        costs.extend(space.expert.index_axis(Axis(0), state.t).index_axis(Axis(0), state.s));
+    }
+}
