@@ -65,7 +65,8 @@ proptest! {
         }
     }
 
-    /// Supervised, forward and DAgger leave nothing to chance; nor does a mixture with rate 1, nor online DAgger with one block.
+    /// Supervised, forward and DAgger leave nothing to chance; nor does a mixture with rate 1, nor online DAgger with
+    /// one block.
     #[test]
     fn bills_without_chance_are_exact(sentences in corpora(Labels::Free(3), 20, 8)) {
         let problem = problem(&sentences);
@@ -127,8 +128,9 @@ fn the_experts_acts_are_as_many_as_predicted() {
     }
 }
 
-/// In roll-outs the draw of step t' belongs to episode, sample and t' and is shared by all roll-outs that pass t': one from each of
-/// the t'-1 states before it for each of A actions. So a round's acts have variance k p (1-p) sum over t' of (A (t'-1))^2.
+/// In roll-outs the draw of step t' belongs to episode, sample and t' and is shared by all roll-outs that pass t':
+/// one from each of the t'-1 states before it for each of A actions. So a round's acts have variance k p (1-p) sum
+/// over t' of (A (t'-1))^2.
 #[test]
 fn roll_out_acts_are_as_many_as_predicted() {
     let problem = problem(&sample(Labels::Free(3), 120));
@@ -151,7 +153,8 @@ fn roll_out_acts_are_as_many_as_predicted() {
     }
 }
 
-/// Online DAgger's first block is b of E episodes drawn without replacement: variance b (1 - b/E) of the lengths' sample variance.
+/// Online DAgger's first block is b of E episodes drawn without replacement: variance b (1 - b/E) of the lengths'
+/// sample variance.
 #[test]
 fn online_dagger_lets_the_expert_drive_the_first_block() {
     let problem = problem(&sample(Labels::Free(3), 200));

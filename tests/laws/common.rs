@@ -44,7 +44,8 @@ pub fn labels() -> impl Strategy<Value = Labels> {
     prop_oneof![(2usize..=5).prop_map(Labels::Free), (1usize..=2).prop_map(Labels::Spans)]
 }
 
-/// Up to `sentences` sentences of 1 to `length` tokens, from a vocabulary of six words; two labels in three go with the word.
+/// Up to `sentences` sentences of 1 to `length` tokens, from a vocabulary of six words; two labels in three go with
+/// the word.
 pub fn corpora(labels: Labels, sentences: usize, length: usize) -> impl Strategy<Value = Sentences> {
     let token = (0usize..6, 0usize..3, 0usize..60);
     vec(vec(token, 1..=length), 1..=sentences).prop_map(move |drawn| {

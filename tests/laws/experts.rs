@@ -30,8 +30,9 @@ fn start(space: &Tagging, index: usize) -> Position {
 proptest! {
     #![proptest_config(fixed(200))]
 
-    /// In every reachable state of every sentence: costs-to-go are the minima over all completions, the answer is legal and starts an
-    /// optimal one, it is the right label wherever that is legal, and else the B of the I that is not.
+    /// In every reachable state of every sentence: costs-to-go are the minima over all completions, the answer is
+    /// legal and starts an optimal one, it is the right label wherever that is legal, and else the B of the I that is
+    /// not.
     #[test]
     fn answers_are_optimal(sentences in any_corpora(3, 5)) {
         let names: Vec<String> = {

@@ -1,12 +1,13 @@
 //! Learners: first steps worked by hand, and every trainer with every learner on a task that is easy.
 
-use crate::common::{learners, problem, tokens, trainers};
-use rollin::learner::{Csoaa, Examples, Lesson, Logistic, Online, Perceptron, Rule, Setting, Target, Wap};
+use crate::common::{Labels, learners, problem, sample, tokens, trainers};
+use rollin::learner::{Csoaa, Examples, Learner, Lesson, Logistic, Online, Perceptron, Rule, Setting, Target, Wap};
 use rollin::policy::{Classifier, Columns, Linear};
-use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW};
-use rollin::trainer::Run;
+use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Space};
+use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
 use rollin::worker::{Sight, perform};
 use rollin::{Purpose, Seed};
+use std::sync::Mutex;
 
 /// Two features and no static part; one example for each view.
 struct School {
@@ -48,8 +49,8 @@ fn near(found: &[f32], expected: &[f64]) {
     assert!(found.len() == expected.len() && found.iter().zip(expected).all(close), "{found:?} for {expected:?}");
 }
 
-/// {f0} is 1, then {f0, f1} is 0. At first both score 0, the lowest wins and is wrong: f0 = (-1, 1). Then 1 wins and is wrong: f0 = (0, 0),
-/// f1 = (1, -1). The average over both: f0 = (-1, 1)/2, f1 = (1, -1)/2.
+/// {f0} is 1, then {f0, f1} is 0. At first both score 0, the lowest wins and is wrong: f0 = (-1, 1). Then 1 wins and
+/// is wrong: f0 = (0, 0), f1 = (1, -1). The average over both: f0 = (-1, 1)/2, f1 = (1, -1)/2.
 #[test]
 fn the_averaged_perceptron() {
     let school = School::new(2).show(&[0], Target::Label(Action(1))).show(&[0, 1], Target::Label(Action(0)));
@@ -86,8 +87,8 @@ fn lesson(school: &School, i: usize) -> Lesson<'_> {
     Lesson { actions: school.actions, legal: school.examples.legal(i), target: school.examples.target(i) }
 }
 
-/// AdaGrad's first step is the rate against the gradient's sign, whatever its size. The second, for {f0} seen twice with scores (r, -r):
-/// p = 1/(1+e^(-2r)), g = 1-p, w = r + r g / sqrt(1/4 + g^2). The average of both is learned.
+/// AdaGrad's first step is the rate against the gradient's sign, whatever its size. The second, for {f0} seen twice
+/// with scores (r, -r): p = 1/(1+e^(-2r)), g = 1-p, w = r + r g / sqrt(1/4 + g^2). The average of both is learned.
 #[test]
 fn logistic_regression() {
     let logistic = Logistic { rate: 0.1, ..Logistic::default() };
@@ -106,7 +107,8 @@ fn logistic_regression() {
     let held = 0.1 + 0.1 * g / (0.25 + g * g).sqrt();
     let found = school.teach(&Logistic { l2: l2 as f32, ..logistic }, &[0, 0]);
     near(&found[0], &[(0.1 + held) / 2.0, -(0.1 + held) / 2.0]);
-    // Three actions, of which the first is not legal: half of the chance is each of the others', and the first is left alone.
+    // Three actions, of which the first is not legal: half of the chance is each of the others', and the first is
+    // left alone.
     let legal = [Action(1), Action(2)];
     let some = Lesson { actions: 3, legal: Actions::Only(&legal), target: Target::Label(Action(2)) };
     let mut gradient = [0.0; 3];
@@ -114,8 +116,8 @@ fn logistic_regression() {
     near(&gradient, &[0.0, 0.5, -0.5]);
 }
 
-/// Costs 1, 3, 2 are 0, 2, 1 from the cheapest. First step: the dearer two go down by the rate. Second: the gradients are cost minus
-/// prediction, 2 - r and 1 - r.
+/// Costs 1, 3, 2 are 0, 2, 1 from the cheapest. First step: the dearer two go down by the rate. Second: the gradients
+/// are cost minus prediction, 2 - r and 1 - r.
 #[test]
 fn one_against_all_regression() {
     let r = 0.1;
@@ -133,8 +135,8 @@ fn one_against_all_regression() {
     near(&school.teach(&csoaa, &[0, 0])[0], &[0.0, (second(2.0) - r) / 2.0, (second(1.0) - r) / 2.0]);
 }
 
-/// Costs 0, 1, 1, 3 have v = 0, 1, 1, 5/3; the weight of a pair is the difference, and at score 0 the gradient half of it, down
-/// where the first of the pair is cheaper.
+/// Costs 0, 1, 1, 3 have v = 0, 1, 1, 5/3; the weight of a pair is the difference, and at score 0 the gradient half
+/// of it, down where the first of the pair is cheaper.
 #[test]
 fn weighted_all_pairs() {
     let school = School::new(4).show(&[0], Target::Costs(&[0.0, 1.0, 1.0, 3.0])).show(&[1], Target::Label(Action(2)));
@@ -220,4 +222,43 @@ fn every_trainer_with_every_learner_learns_an_easy_task() {
             assert!(accuracy > 0.95, "{trainer:?} with {learner:?}: {accuracy}");
         }
     }
+}
+
+/// The perceptron, keeping count of the examples it was given each time.
+struct Counting(Mutex<Vec<u64>>);
+
+impl Learner<Features> for Counting {
+    type Classifier = Linear;
+    fn fit(
+        &self,
+        setting: Setting<'_, Features>,
+        examples: &Examples<Features>,
+        warm: Option<&Linear>,
+        seed: Seed,
+    ) -> Linear {
+        self.0.lock().unwrap().push(examples.len() as u64);
+        Perceptron::default().fit(setting, examples, warm, seed)
+    }
+}
+
+/// DAgger learns from all rounds so far, SMILe and SEARN from the last alone, forward training from one step.
+#[test]
+fn trainers_hand_on_what_they_should() {
+    let problem = problem(&sample(Labels::Free(3), 8));
+    let (n, run) = (tokens(&problem), Run::new(1));
+    let counts = |train: &dyn Fn(&Counting)| {
+        let learner = Counting(Mutex::default());
+        train(&learner);
+        learner.0.into_inner().unwrap()
+    };
+    let dagger = Dagger { rounds: 3, ..Dagger::default() };
+    let smile = Smile { rounds: 3, ..Smile::default() };
+    let searn = Searn { rounds: 3, ..Searn::default() };
+    assert_eq!(counts(&|l| drop(Supervised::default().train(&problem, l, &run).unwrap())), [n]);
+    assert_eq!(counts(&|l| drop(dagger.train(&problem, l, &run).unwrap())), [n, 2 * n, 3 * n]);
+    assert_eq!(counts(&|l| drop(smile.train(&problem, l, &run).unwrap())), [n, n, n]);
+    assert_eq!(counts(&|l| drop(searn.train(&problem, l, &run).unwrap())), [n, n, n]);
+    let steps = counts(&|l| drop(Forward::default().train(&problem, l, &run).unwrap()));
+    let reach = |t: u64| (0..8).filter(|i| problem.space.horizon(*i).unwrap() as u64 > t).count() as u64;
+    assert_eq!(steps, (0..steps.len() as u64).map(reach).collect::<Vec<_>>());
 }

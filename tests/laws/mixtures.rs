@@ -34,8 +34,8 @@ fn close(a: f64, b: f64) -> bool {
 proptest! {
     #![proptest_config(fixed(1000))]
 
-    /// SMILe gives classifier i alpha (1-alpha)^(i-1) and SEARN beta (1-beta)^(n-i); the expert keeps (1-rate)^n. All is a
-    /// distribution at every time, and without the expert the same ratios make one.
+    /// SMILe gives classifier i alpha (1-alpha)^(i-1) and SEARN beta (1-beta)^(n-i); the expert keeps (1-rate)^n. All
+    /// is a distribution at every time, and without the expert the same ratios make one.
     #[test]
     fn weights_follow_the_formulas(rate in prop_oneof![Just(1.0), 1e-3..1.0], n in 0usize..60, searn: bool) {
         let (formula, expert, mixture) = grown(rate, n, searn);
@@ -75,14 +75,21 @@ proptest! {
         let borders: Vec<f64> = std::iter::once(expert).chain(sums).collect();
         prop_assume!(borders.iter().all(|border| (unit - border).abs() > 1e-9));
         let place = borders.iter().position(|border| unit < *border);
-        let expected = match place { Some(0) => Member::Expert, Some(i) => Member::Classifier(i - 1), None => unreachable!() };
+        let expected = match place.expect("the weights sum to 1") {
+            0 => Member::Expert,
+            i => Member::Classifier(i - 1),
+        };
         prop_assert_eq!(mixture.draw(unit), expected);
         prop_assert!(matches!(mixture.without_expert().draw(unit), Member::Classifier(_)));
     }
 
     /// Whatever is trained is without expert: its weights are those of its updates, renormalised, to the bit.
     #[test]
-    fn trained_weights_are_the_renormalised_ones(rate in prop_oneof![Just(1.0), 0.05..1.0], rounds in 1usize..6, sentences in any_corpora(3, 4)) {
+    fn trained_weights_are_the_renormalised_ones(
+        rate in prop_oneof![Just(1.0), 0.05..1.0],
+        rounds in 1usize..6,
+        sentences in any_corpora(3, 4),
+    ) {
         let (problem, learner, run) = (problem(&sentences), Perceptron { passes: 1 }, Run::new(3));
         let smile = Smile { alpha: rate, rounds, warm: false }.train(&problem, &learner, &run).unwrap().policy;
         let searn = Searn { beta: rate, rounds, ..Searn::default() }.train(&problem, &learner, &run).unwrap().policy;
@@ -93,7 +100,8 @@ proptest! {
     }
 }
 
-/// 100,000 keyed draws, chi-square: chance of failing below 2.1e-9 for each of 16 mixtures if the seed were free; it is fixed.
+/// 100,000 keyed draws, chi-square: chance of failing below 2.1e-9 for each of 16 mixtures if the seed were free; it
+/// is fixed.
 #[test]
 fn draws_are_as_frequent_as_weights() {
     for (i, (rate, n, searn)) in [0.2, 0.5]
@@ -120,8 +128,9 @@ fn draws_are_as_frequent_as_weights() {
     }
 }
 
-/// The same through a whole run: constant classifiers show which member acted. About 6,500 steps; chance of failing below
-/// 2.1e-9 each if the seed were free; it is fixed. Consecutive steps are drawn independently: pairs have the products of the weights.
+/// The same through a whole run: constant classifiers show which member acted. About 6,500 steps; chance of failing
+/// below 2.1e-9 each if the seed were free; it is fixed. Consecutive steps are drawn independently: pairs have the
+/// products of the weights.
 #[test]
 fn runs_draw_members_anew_at_every_step() {
     let problem = problem(&sample(Labels::Free(4), 1000));
@@ -230,7 +239,8 @@ fn only_searn_needs_resets() {
     }
 }
 
-/// A [`Learned`] policy is a mixture or a ladder by its trainer, and reading it otherwise does not bring the expert back.
+/// A [`Learned`] policy is a mixture or a ladder by its trainer, and reading it otherwise does not bring the expert
+/// back.
 #[test]
 fn no_reading_asks_the_expert() {
     let problem = problem(&sample(Labels::Spans(1), 10));
@@ -243,7 +253,8 @@ fn no_reading_asks_the_expert() {
     }
 }
 
-/// A ladder meets sentences longer than any it was trained on: the last classifier finishes them, the expert is not asked.
+/// A ladder meets sentences longer than any it was trained on: the last classifier finishes them, the expert is not
+/// asked.
 #[test]
 fn a_ladder_asks_nobody_beyond_its_end() {
     let mut sentences = sample(Labels::Spans(2), 20);

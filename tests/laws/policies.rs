@@ -190,7 +190,8 @@ fn scores(classifier: &Linear, problem: &TaggingProblem, row: u32, dynamic: Vec<
     classifier.scores(&sight, &mut Default::default()).to_vec()
 }
 
-/// The classifier of the mean weights scores the mean of the scores, for views of every row with random dynamic features.
+/// The classifier of the mean weights scores the mean of the scores, for views of every row with random dynamic
+/// features.
 #[test]
 fn the_mean_classifier_scores_the_mean() {
     let problem = problem(&sample(Labels::Free(5), 30));

@@ -91,8 +91,9 @@ fn mixture(problem: &TaggingProblem, rates: &[f64]) -> Mixture<Linear> {
 proptest! {
     #![proptest_config(fixed(150))]
 
-    /// At every state of every roll-in, for every action: the same cost as the simulation, step by step, with the same keys. What the
-    /// policy does during the roll-in is the same, too, though roll-outs lie between, which share its scratch.
+    /// At every state of every roll-in, for every action: the same cost as the simulation, step by step, with the
+    /// same keys. What the policy does during the roll-in is the same, too, though roll-outs lie between, which share
+    /// its scratch.
     #[test]
     fn roll_outs_cost_what_a_simulation_says(
         sentences in any_corpora(6, 8),
@@ -128,7 +129,11 @@ proptest! {
 
     /// Recorded costs are the means over the samples, counted from the cheapest, and stand in the order of the states.
     #[test]
-    fn recorded_costs_are_relative_to_the_cheapest(sentences in any_corpora(20, 6), rate in 0.1f64..0.9, samples in 1usize..4) {
+    fn recorded_costs_are_relative_to_the_cheapest(
+        sentences in any_corpora(20, 6),
+        rate in 0.1f64..0.9,
+        samples in 1usize..4,
+    ) {
         let problem = problem(&sentences);
         let space = &problem.space;
         let mixture = mixture(&problem, &[rate, rate]);
@@ -152,7 +157,8 @@ proptest! {
                 let Target::Costs(recorded) = round.examples.target(i) else { panic!("a label was recorded") };
                 prop_assert!(round.examples.legal(i).iter().eq(legal.iter()));
                 prop_assert!(recorded.len() == costs.len() && recorded.contains(&0.0));
-                prop_assert!(recorded.iter().zip(&costs).all(|(r, c)| *r == (c - least) as f32), "{recorded:?} {costs:?}");
+                let relative: Vec<f32> = costs.iter().map(|cost| (cost - least) as f32).collect();
+                prop_assert_eq!(recorded, relative);
                 let action = naive_act(space, &state, &mixture, run, t);
                 space.step(&mut state, action, run);
                 i += 1;
@@ -161,7 +167,8 @@ proptest! {
         prop_assert_eq!((round.examples.len(), ledger.examples), (i, i as u64));
     }
 
-    /// While the expert drives alone, rolling out finds its cost-to-go: SEARN's first round has the examples of the shortcut's.
+    /// While the expert drives alone, rolling out finds its cost-to-go: SEARN's first round has the examples of the
+    /// shortcut's.
     #[test]
     fn the_first_round_of_searn_is_the_shortcuts(sentences in any_corpora(30, 8), samples in 1usize..3) {
         let problem = problem(&sentences);
@@ -210,8 +217,8 @@ impl Space for Dice {
     }
 }
 
-/// Under one run the actions of a deviation meet the same throws: their costs differ by what they cost themselves and by nothing else.
-/// Another run throws anew.
+/// Under one run the actions of a deviation meet the same throws: their costs differ by what they cost themselves and
+/// by nothing else. Another run throws anew.
 #[test]
 fn actions_that_are_compared_share_their_luck() {
     let problem = Imitation { space: Dice(FeatureTable::new(6)), expert: Silent, episodes: 1 };
@@ -258,7 +265,8 @@ fn a_record_after_roll_outs_is_of_the_state_at_hand() {
     }
 }
 
-/// The same when the state was looked at before: the policy chooses first, then everything is rolled out, then the choice is made again.
+/// The same when the state was looked at before: the policy chooses first, then everything is rolled out, then the
+/// choice is made again.
 #[test]
 fn a_look_after_a_roll_out_is_of_the_state_at_hand() {
     let problem = problem(&sample(Labels::Free(3), 20));
