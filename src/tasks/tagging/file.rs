@@ -88,8 +88,7 @@ impl Tagger {
                 body.extend(row[..weights.columns()].iter().flat_map(|w| w.to_le_bytes()));
             }
         }
-        let mut bytes =
-            format!("{MAGIC}{VERSION}\n{} bytes, checksum {:016x}\n", body.len(), checksum(&body)).into_bytes();
+        let mut bytes = format!("{MAGIC}{VERSION}\n{}\n", seal(&body)).into_bytes();
         bytes.extend(body);
         bytes
     }
@@ -155,7 +154,7 @@ impl Tagger {
         let classifiers = header
             .rows
             .iter()
-            .map(|count| classifier(&encoding, header.columns, *count, &mut arrays).map_err(|what| broken(what)))
+            .map(|count| classifier(&encoding, header.columns, *count, &mut arrays).map_err(&broken))
             .collect::<Result<Vec<_>>>()?;
         if !arrays.rest.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
@@ -231,7 +230,8 @@ fn checked_body<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8]> {
     if body.len() != length {
         return Err(damaged(path, &format!("it has {} bytes of {length}", body.len())));
     }
-    if checksum(body) != sum {
+    // Numbers can be written in more than one way, and only one of them is ever written.
+    if checksum(body) != sum || line != seal(body).as_bytes() {
         return Err(damaged(path, "its checksum is wrong"));
     }
     Ok(body)
@@ -245,6 +245,11 @@ fn damaged(path: &Path, what: &str) -> Error {
 fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = memchr::memchr(b'\n', bytes)?;
     Some((&bytes[..end], &bytes[end + 1..]))
+}
+
+/// The second line of a file with this body.
+fn seal(body: &[u8]) -> String {
+    format!("{} bytes, checksum {:016x}", body.len(), checksum(body))
 }
 
 fn checksum(bytes: &[u8]) -> u64 {

@@ -1,0 +1,185 @@
+//! Random small corpora, all trainers, all learners, and classifiers simple enough to be predicted.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::RngSeed;
+use rollin::corpus::Corpus;
+use rollin::learner::{Csoaa, Logistic, Perceptron, Wap};
+use rollin::policy::Classifier;
+use rollin::read::template::Template;
+use rollin::space::{Features, Problem, Space};
+use rollin::tasks::tagging::{AnyLearner, Encoding, LabelColumn, TaggingProblem, Trainer};
+use rollin::trainer::{Dagger, Forward, Searn, Smile, Supervised};
+use rollin::worker::Sight;
+
+/// `cases` cases that are the same in every run.
+pub fn fixed(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(2010), failure_persistence: None, ..ProptestConfig::default() }
+}
+
+/// Which labels a random corpus has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Labels {
+    /// So many, in any order.
+    Free(usize),
+    /// O and B and I of so many types, by the rule of IOB2.
+    Spans(usize),
+}
+
+impl Labels {
+    pub fn names(self) -> Vec<&'static str> {
+        match self {
+            Labels::Free(n) => vec!["A", "D", "N", "P", "V"][..n].to_vec(),
+            Labels::Spans(types) => vec!["O", "B-NP", "I-NP", "B-VP", "I-VP"][..1 + 2 * types].to_vec(),
+        }
+    }
+}
+
+/// Sentences of words and labels.
+pub type Sentences = Vec<Vec<(String, String)>>;
+
+/// Between two and five labels, free or IOB2.
+pub fn labels() -> impl Strategy<Value = Labels> {
+    prop_oneof![(2usize..=5).prop_map(Labels::Free), (1usize..=2).prop_map(Labels::Spans)]
+}
+
+/// Up to `sentences` sentences of 1 to `length` tokens, from a vocabulary of six words; two labels in three go with
+/// the word.
+pub fn corpora(labels: Labels, sentences: usize, length: usize) -> impl Strategy<Value = Sentences> {
+    let token = (0usize..6, 0usize..3, 0usize..60);
+    vec(vec(token, 1..=length), 1..=sentences).prop_map(move |drawn| {
+        let names = labels.names();
+        let spell = |tokens: Vec<(usize, usize, usize)>| {
+            let mut before = "O";
+            let mut sentence = Vec::new();
+            for (word, noise, any) in tokens {
+                let mut label = names[if noise > 0 { word % names.len() } else { any % names.len() }];
+                if label.starts_with("I-") && (before == "O" || before[1..] != label[1..]) {
+                    label = names[names.iter().position(|n| *n == label).expect("it is one of them") - 1];
+                }
+                before = label;
+                sentence.push((format!("w{word}"), label.to_owned()));
+            }
+            sentence
+        };
+        drawn.into_iter().map(spell).collect()
+    })
+}
+
+/// Random corpora of any labels.
+pub fn any_corpora(sentences: usize, length: usize) -> impl Strategy<Value = Sentences> {
+    labels().prop_flat_map(move |labels| corpora(labels, sentences, length))
+}
+
+/// A corpus that is the same in every run: `number` chooses among them.
+pub fn drawn<T>(strategy: impl Strategy<Value = T>, number: u64) -> T {
+    let config = ProptestConfig { rng_seed: RngSeed::Fixed(number), failure_persistence: None, ..Default::default() };
+    let mut runner = proptest::test_runner::TestRunner::new(config);
+    strategy.new_tree(&mut runner).expect("nothing is filtered").current()
+}
+
+/// `count` sentences of 1 to 12 tokens, the same in every run.
+pub fn sample(labels: Labels, count: usize) -> Sentences {
+    let sentences = drawn(vec(corpora(labels, 1, 12), count), 7);
+    sentences.into_iter().flatten().collect()
+}
+
+pub fn corpus(sentences: &Sentences) -> Corpus {
+    let mut corpus = Corpus::new("random", 2);
+    let mut line = 0;
+    for sentence in sentences {
+        for (word, label) in sentence {
+            line += 1;
+            corpus.push(&[word, label], line);
+        }
+        corpus.end_sentence();
+        line += 1;
+    }
+    corpus
+}
+
+/// The word, the word before, the label before, and the label before with the word.
+pub const TEMPLATE: &str = "U0:%x[0,0]\nU1:%x[-1,0]\nB\nU2:%y[-1]/%x[0,0]\n";
+
+pub fn template() -> Template {
+    Template::parse(TEMPLATE, "small".as_ref()).expect("it is a template")
+}
+
+pub fn encoded(sentences: &Sentences) -> (Encoding, TaggingProblem) {
+    let learned = Encoding::learn(&corpus(sentences), LabelColumn::Last, template(), None);
+    let (encoding, space) = learned.expect("the corpus is in order");
+    (encoding, space.problem())
+}
+
+pub fn problem(sentences: &Sentences) -> TaggingProblem {
+    encoded(sentences).1
+}
+
+pub fn tokens(problem: &impl Problem) -> u64 {
+    (0..problem.episodes()).map(|i| problem.space().horizon(i).expect("sentences have lengths") as u64).sum()
+}
+
+/// Every trainer, with settings small enough for tests.
+pub fn trainers() -> Vec<Trainer> {
+    let searn = Searn { beta: 0.4, rounds: 3, samples: 2, warm: false };
+    let dagger = Dagger { rounds: 3, warm: false };
+    vec![
+        Trainer::Supervised(Supervised::default()),
+        Trainer::Forward(Forward { warm: true }),
+        Trainer::Smile(Smile { alpha: 0.4, rounds: 4, ..Smile::default() }),
+        Trainer::Searn(searn.clone()),
+        Trainer::SearnShortcut(searn),
+        Trainer::Dagger(dagger.clone()),
+        Trainer::DaggerOnline(dagger),
+    ]
+}
+
+pub fn learners() -> Vec<AnyLearner> {
+    vec![
+        AnyLearner::Perceptron(Perceptron::default()),
+        AnyLearner::Logistic(Logistic::default()),
+        AnyLearner::Csoaa(Csoaa::default()),
+        AnyLearner::Wap(Wap::default()),
+    ]
+}
+
+/// A classifier whose scores are the same everywhere.
+#[derive(Clone, Debug)]
+pub struct Constant(pub Vec<f32>);
+
+impl Constant {
+    /// The one that always prefers `action` of `actions`.
+    pub fn always(action: usize, actions: usize) -> Self {
+        Constant((0..actions).map(|a| if a == action { 1.0 } else { 0.0 }).collect())
+    }
+}
+
+impl Classifier<Features> for Constant {
+    type Memory = Vec<f32>;
+    fn scores<'m>(&self, _: &Sight<'_, Features>, memory: &'m mut Vec<f32>) -> &'m [f32] {
+        memory.clone_from(&self.0);
+        memory
+    }
+}
+
+/// Whether counts agree with probabilities, by chi-square. By Laurent and Massart's bound the statistic of d degrees of
+/// freedom exceeds d + 2 sqrt(20 d) + 40 with a chance below e^-20 = 2.1e-9.
+pub fn agree(counts: &[u64], shares: &[f64]) -> Result<(), String> {
+    let total = counts.iter().sum::<u64>() as f64;
+    let mut chi = 0.0;
+    for (count, share) in counts.iter().zip(shares) {
+        let expected = total * share;
+        if expected == 0.0 {
+            if *count > 0 {
+                return Err(format!("{count} draws of something that has no weight"));
+            }
+            continue;
+        }
+        assert!(expected > 20.0, "too few draws for a chi-square");
+        chi += (*count as f64 - expected).powi(2) / expected;
+    }
+    let degrees = shares.iter().filter(|share| **share > 0.0).count() as f64 - 1.0;
+    let bound = degrees + 2.0 * (20.0 * degrees).sqrt() + 40.0;
+    if chi <= bound { Ok(()) } else { Err(format!("chi-square {chi} above {bound}: {counts:?} for {shares:?}")) }
+}

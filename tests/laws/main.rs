@@ -1,0 +1,15 @@
+//! Laws that every trainer, learner and policy obeys, on small random corpora and on cases worked by hand.
+//!
+//! All random tests have fixed seeds: each either always passes or never does. Where a test compares frequencies, the
+//! bound it uses would fail for fewer than one seed in ten million unless it says otherwise.
+
+mod arguments;
+mod bills;
+mod common;
+mod experts;
+mod files;
+mod learners;
+mod mixtures;
+mod policies;
+mod rollouts;
+mod threads;
