@@ -37,11 +37,9 @@ fn beside(path: &Path) -> Result<NamedTempFile> {
     // As any new file: what the user's mask allows, not only its owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder).map_err(|error| Error::io("write", path, plain(error)))
-}
-
-/// The system's error without the name of the file beside, which nobody asked for.
-fn plain(error: io::Error) -> io::Error {
-    let inner = error.get_ref().and_then(|named| named.source()).and_then(|source| source.downcast_ref::<io::Error>());
-    inner.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
+    builder.tempfile_in(folder).map_err(|error| {
+        // That error names the file beside, of which nobody has heard: what is wrong with the folder says more.
+        let source = std::fs::metadata(folder).err().unwrap_or_else(|| error.kind().into());
+        Error::io("write", path, source)
+    })
 }
