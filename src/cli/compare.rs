@@ -115,13 +115,14 @@ impl Compare {
             return embedded(&self.columns);
         };
         let mut train = self.columns.corpus(path)?;
+        self.columns.labels().in_corpus(&train)?;
         let test = match &self.test {
             Some(path) => read_corpus(path)?,
             None => {
                 let kept = train.sentences() - train.sentences() / 5;
                 if kept == train.sentences() {
-                    let few = train.sentences();
-                    return Err(Error::file(path, format!("{few} sentences"), "give at least 5, or a --test file"));
+                    let few = format!("too few sentences to set some aside: {}", train.sentences());
+                    return Err(Error::file(path, few, "give at least 5, or a --test file"));
                 }
                 train.split_off(kept)
             }
