@@ -21,7 +21,7 @@ const EXAMPLE: &str = "\
 Example:
   rollin generate --grammar grammars/dialects.grammar --count 1000 > train.txt
   rollin train --data train.txt --model tagger.model
-  cut -f 1 train.txt | rollin tag --model tagger.model";
+  cut -d ' ' -f 1 train.txt | rollin tag --model tagger.model";
 
 /// Structured prediction by learning to search: imitation learning as sequence labelling.
 #[derive(Parser)]

@@ -66,7 +66,11 @@ fn even((expected, line): (usize, usize), block: &Corpus) -> Result<()> {
     if found == expected {
         return Ok(());
     }
-    let place = block.place(0, found.min(expected));
+    let mut place = block.place(0, found.min(expected));
+    if found < expected {
+        // A word is missing where the line ends, not a separator further on.
+        place.column -= 1;
+    }
     Err(Error::data(place, columns(found), format!("{} as on line {line}", columns(expected))))
 }
 
