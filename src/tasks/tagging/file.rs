@@ -158,7 +158,7 @@ impl Tagger {
         let classifiers = header
             .rows
             .iter()
-            .map(|count| classifier(&encoding, header.columns, *count, &mut arrays).map_err(|what| broken(what)))
+            .map(|count| classifier(&encoding, header.columns, *count, &mut arrays).map_err(&broken))
             .collect::<Result<Vec<_>>>()?;
         if !arrays.rest.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
