@@ -1,24 +1,45 @@
 //! Files that are whole or not there at all.
 
 use crate::error::{Error, Result};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Checks that a file can be written to `path`, by making one beside it that is gone at once. What takes long asks first.
+///
+/// # Errors
+/// When the system refuses, or a directory stands at `path`.
+pub fn check_writable(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::io("write", path, io::ErrorKind::IsADirectory.into()));
+    }
+    beside(path).map(drop)
+}
 
 /// Writes `bytes` to `path`: to a new file beside it, which is flushed to the disk and then renamed.
 ///
 /// # Errors
 /// When the system refuses; whatever stood at `path` is then still there.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let refused = |source| Error::io("write", path, source);
+    let mut file = beside(path)?;
+    file.write_all(bytes).map_err(refused)?;
+    file.as_file().sync_all().map_err(refused)?;
+    file.persist(path).map_err(|error| refused(error.error))?;
+    Ok(())
+}
+
+/// A new file beside `path`, which is deleted when dropped.
+fn beside(path: &Path) -> Result<NamedTempFile> {
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".rollin-");
     // As any new file: what the user's mask allows, not only its owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(refused)?;
-    file.write_all(bytes).map_err(refused)?;
-    file.as_file().sync_all().map_err(refused)?;
-    file.persist(path).map_err(|error| refused(error.error))?;
-    Ok(())
+    builder.tempfile_in(folder).map_err(|error| {
+        // That error names the file beside, of which nobody has heard: what is wrong with the folder says more.
+        let source = std::fs::metadata(folder).err().unwrap_or_else(|| error.kind().into());
+        Error::io("write", path, source)
+    })
 }

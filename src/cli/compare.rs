@@ -1,6 +1,6 @@
 //! `rollin compare`
 
-use super::options::{Algorithm, LearnerOptions, Reading, TrainerOptions, read_corpus};
+use super::options::{Algorithm, LearnerOptions, Reading, TrainerOptions, check_columns, read_corpus};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
@@ -11,7 +11,7 @@ use crate::read::conll;
 use crate::report::{Table, grouped};
 use crate::score::Scheme;
 use crate::seed::Seed;
-use crate::tasks::tagging::{About, AnyLearner, Encoding, Tagger, Tagging, TaggingProblem, Trainer};
+use crate::tasks::tagging::{About, AnyLearner, Encoding, LabelColumn, Tagger, Tagging, TaggingProblem, Trainer};
 use crate::theory::ledgers::{Expected, Extent};
 use crate::trainer::Run;
 use crate::worker::Ledger;
@@ -25,13 +25,13 @@ use std::path::{Path, PathBuf};
 /// is known exactly.
 #[derive(Args)]
 pub struct Compare {
-    /// What to learn from [default: an embedded corpus]
+    /// What to learn from, one token a line as for `rollin train` (- for standard input) [default: a corpus in the program]
     #[arg(long, value_name = "FILE")]
     data: Option<PathBuf>,
     /// What to measure on [default: the last fifth of the data's sentences, which is then not learned from]
     #[arg(long, value_name = "FILE", requires = "data")]
     test: Option<PathBuf>,
-    /// The algorithms, between commas
+    /// The algorithms, separated by commas
     #[arg(
         long,
         value_enum,
@@ -83,17 +83,19 @@ struct Data {
 impl Compare {
     pub fn run(&self, global: &Global) -> Result<()> {
         let learner = self.learner.learner()?;
-        let trainers =
-            self.algorithms.iter().map(|a| Ok((*a, self.trainer.trainer(*a, false)?))).collect::<Result<Vec<_>>>()?;
+        self.trainer.check(&self.algorithms)?;
         let data = self.read()?;
         let template = self.columns.template(&data.train)?;
         let (encoding, space) = Encoding::learn(&data.train, self.columns.labels(), template, self.columns.order())?;
+        LabelColumn::At(encoding.label_column).in_corpus(&data.test)?;
+        check_columns(&encoding, &data.test)?;
         let problem = space.problem();
         let bench =
             Bench { extent: Extent::of(&problem), problem, test: encoding.apply(&data.test)?, encoding, data: &data };
-        let rows = trainers
-            .into_iter()
-            .map(|(algorithm, trainer)| bench.row(algorithm, trainer, &learner, global))
+        let rows = self
+            .algorithms
+            .iter()
+            .map(|algorithm| bench.row(*algorithm, self.trainer.trainer(*algorithm), &learner, global))
             .collect::<Result<Vec<_>>>()?;
         if global.json {
             return print_json(&serde_json::json!({
@@ -113,13 +115,14 @@ impl Compare {
             return embedded(&self.columns);
         };
         let mut train = self.columns.corpus(path)?;
+        self.columns.labels().in_corpus(&train)?;
         let test = match &self.test {
             Some(path) => read_corpus(path)?,
             None => {
                 let kept = train.sentences() - train.sentences() / 5;
                 if kept == train.sentences() {
-                    let few = train.sentences();
-                    return Err(Error::file(path, format!("{few} sentences"), "give at least 5, or a --test file"));
+                    let few = format!("too few sentences to set some aside: {}", train.sentences());
+                    return Err(Error::file(path, few, "give at least 5, or a --test file"));
                 }
                 train.split_off(kept)
             }

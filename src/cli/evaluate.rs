@@ -1,6 +1,6 @@
 //! `rollin evaluate`
 
-use super::options::{ReadingName, read_corpus};
+use super::options::{ReadingName, check_columns, read_corpus};
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
 use crate::error::Result;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Compare a model's labels with the right ones: token accuracy and, where labels are spans, conlleval's measures per type.
 #[derive(Args)]
 pub struct Evaluate {
-    /// The model
+    /// The model file
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// The corpus, with the right labels (- for standard input)
@@ -22,7 +22,7 @@ pub struct Evaluate {
     /// The column the right labels stand in, from 0 [default: where they stood in training]
     #[arg(long, value_name = "N")]
     label_column: Option<usize>,
-    /// Read a mixture in another way than the model says
+    /// How to choose a label from a mixture of classifiers [default: as the model says]
     #[arg(long, value_enum, value_name = "NAME")]
     reading: Option<ReadingName>,
 }
@@ -37,6 +37,8 @@ impl Evaluate {
             tagger.encoding.label_column = column;
         }
         let corpus = read_corpus(&self.data)?;
+        LabelColumn::At(tagger.encoding.label_column).in_corpus(&corpus)?;
+        check_columns(&tagger.encoding, &corpus)?;
         let labels = tagger.tag(&corpus, Seed::new(global.seed))?;
         let score = score(&corpus, &tagger.encoding, &labels)?;
         if global.json {
@@ -49,8 +51,7 @@ impl Evaluate {
     }
 }
 
-/// The score of `labels` against the right ones in `corpus`. A right label that was never seen in training is an error wherever it
-/// stands.
+/// The score of `labels` against the right ones in `corpus`. Where a right label was never seen in training, the model is wrong.
 pub fn score(corpus: &Corpus, encoding: &Encoding, labels: &[u32]) -> Result<Score> {
     let column = &corpus.columns[LabelColumn::At(encoding.label_column).in_corpus(corpus)?];
     let mut scheme = Scheme::new(&encoding.labels);

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Draw tagged sentences from a grammar: one token a line, word and tag, a blank line after each sentence.
 #[derive(Args)]
 pub struct Generate {
-    /// The grammar
+    /// The grammar file
     #[arg(long, value_name = "FILE")]
     grammar: PathBuf,
     /// How many sentences
@@ -29,6 +29,7 @@ const BLOCK: usize = 1024;
 
 impl Generate {
     pub fn run(&self, global: &Global) -> Result<()> {
+        global.refuse_json("generate writes a corpus")?;
         let grammar = Grammar::read(&self.grammar)?;
         let mut out = BufWriter::new(io::stdout().lock());
         let mut left = 0..self.count;

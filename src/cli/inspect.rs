@@ -1,5 +1,6 @@
 //! `rollin inspect`
 
+use super::options::order_name;
 use super::train::to_json;
 use super::{Global, print, print_json};
 use crate::error::Result;
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 /// Tell what is in a model file.
 #[derive(Args)]
 pub struct Inspect {
-    /// The model
+    /// The model file
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 }
@@ -37,7 +38,7 @@ impl Inspect {
                 "model": self.model,
                 "task": "tagging",
                 "labels": encoding.labels,
-                "order": encoding.transitions.order(),
+                "order": order_name(encoding.transitions.order()),
                 "template": encoding.template.text(),
                 "features": encoding.features(),
                 "policy": kind,
@@ -46,18 +47,20 @@ impl Inspect {
                 "about": about,
             }));
         }
-        let mut facts = Table::default();
-        facts.row(["policy".to_owned(), format!("{kind}{reading}")]);
-        facts.row(["trainer", &about.trainer]);
-        facts.row(["learner", &about.learner]);
-        facts.row(["seed".to_owned(), about.seed.to_string()]);
-        facts.row(["trained on".to_owned(), about.data.clone()]);
-        facts.row(["sentences".to_owned(), grouped(about.sentences as f64)]);
-        facts.row(["tokens".to_owned(), grouped(about.tokens as f64)]);
-        facts.row(["expert's labels".to_owned(), grouped(about.ledger.labels as f64)]);
-        facts.row(["expert queries".to_owned(), grouped(about.ledger.queries as f64)]);
-        facts.row(["order".to_owned(), to_json(&encoding.transitions.order()).trim_matches('"').to_owned()]);
-        facts.row(["labels".to_owned(), encoding.labels.join(" ")]);
+        let facts = [
+            ("policy", format!("{kind}{reading}")),
+            ("trainer", about.trainer.clone()),
+            ("learner", about.learner.clone()),
+            ("seed", about.seed.to_string()),
+            ("trained on", about.data.clone()),
+            ("sentences", grouped(about.sentences as f64)),
+            ("tokens", grouped(about.tokens as f64)),
+            ("expert's labels", grouped(about.ledger.labels as f64)),
+            ("expert queries", grouped(about.ledger.queries as f64)),
+            ("order", order_name(encoding.transitions.order()).to_owned()),
+            ("labels", encoding.labels.join(" ")),
+        ];
+        let facts: String = facts.iter().map(|(name, fact)| format!("{name:<16}{fact}\n")).collect();
         let mut classifiers = Table::new(["classifier", "weight", "features with weights"]);
         for (i, rows) in rows.iter().enumerate() {
             let weight = weights.get(i).map_or("-".to_owned(), |w| format!("{w:.4}"));

@@ -18,9 +18,15 @@ use clap::{Args, Parser, Subcommand};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+const EXAMPLE: &str = "\
+Example:
+  rollin generate --grammar grammars/dialects.grammar --count 1000 > train.txt
+  rollin train --data train.txt --model tagger.model
+  cut -d ' ' -f 1 train.txt | rollin tag --model tagger.model";
+
 /// Structured prediction by learning to search: imitation learning as sequence labelling.
 #[derive(Parser)]
-#[command(name = "rollin", version, propagate_version = true, max_term_width = 110)]
+#[command(name = "rollin", version, propagate_version = true, max_term_width = 110, after_help = EXAMPLE)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -32,17 +38,28 @@ struct Cli {
 #[derive(Args)]
 struct Global {
     /// The number that all randomness starts from
-    #[arg(long, global = true, default_value_t = 1, value_name = "N")]
+    #[arg(long, global = true, default_value_t = 1, value_name = "N", help_heading = "Every command")]
     seed: u64,
     /// Threads; the results do not depend on it [default: one per core]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS),
+          help_heading = "Every command")]
     threads: Option<u16>,
     /// No progress on standard error
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, help_heading = "Every command")]
     quiet: bool,
-    /// One JSON object on standard output
-    #[arg(long, global = true)]
+    /// One JSON object on standard output in place of text (not for tag and generate)
+    #[arg(long, global = true, help_heading = "Every command")]
     json: bool,
+}
+
+/// More would only cost memory.
+const MOST_THREADS: i64 = 1024;
+
+impl Global {
+    /// Refuses --json for a command that writes something else.
+    fn refuse_json(&self, why: &str) -> Result<()> {
+        if self.json { Err(Error::argument("--json", "given", format!("left out: {why}"))) } else { Ok(()) }
+    }
 }
 
 #[derive(Subcommand)]

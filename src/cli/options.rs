@@ -4,7 +4,7 @@ use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{Csoaa, Logistic, Perceptron, Wap};
 use crate::read::{conll, template::Template};
-use crate::tasks::tagging::{AnyLearner, LabelColumn, Order, Trainer};
+use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order, Trainer};
 use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
 use clap::{Args, ValueEnum};
 use std::io::Read;
@@ -20,19 +20,35 @@ pub fn read_corpus(path: &Path) -> Result<Corpus> {
     conll::parse(&text, "<stdin>".as_ref(), 1)
 }
 
+/// Refuses a corpus that has fewer columns than `encoding` looks at.
+pub fn check_columns(encoding: &Encoding, corpus: &Corpus) -> Result<()> {
+    let (needed, found) = (encoding.template.columns(), corpus.columns.len());
+    if found >= needed {
+        return Ok(());
+    }
+    let expected = format!("at least {}, because the model looks at column {} (from 0)", columns(needed), needed - 1);
+    Err(Error::data(corpus.place(0, 0), columns(found), expected))
+}
+
+/// So many columns, in words.
+pub fn columns(n: usize) -> String {
+    if n == 1 { "1 column".to_owned() } else { format!("{n} columns") }
+}
+
 /// How a corpus is understood.
 #[derive(Args)]
+#[command(next_help_heading = "Columns and features")]
 pub struct Reading {
-    /// Feature template in the pattern language of CRF++ and Wapiti [default: one that suits the number of columns]
+    /// Feature template in the pattern language of CRF++ and Wapiti [default: one that looks at all columns before the labels']
     #[arg(long, value_name = "FILE")]
     pub template: Option<PathBuf>,
     /// The column the labels stand in, from 0 [default: the last]
     #[arg(long, value_name = "N")]
     pub label_column: Option<usize>,
-    /// Which label may follow which [default: iob2 where the labels look like it and keep to it]
+    /// Which label may follow which [default: iob2 if all labels are O, B-X or I-X and keep to that rule, otherwise free]
     #[arg(long, value_enum, value_name = "RULE")]
     pub order: Option<OrderName>,
-    /// Learn from the first N sentences only
+    /// Learn from the first N sentences only [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub first: Option<u64>,
 }
@@ -66,12 +82,32 @@ impl Reading {
         })
     }
 
-    /// The template, by default one for what `corpus` has before its labels.
+    /// The template, by default one for what `corpus` has before its labels. None may look at the labels themselves.
     pub fn template(&self, corpus: &Corpus) -> Result<Template> {
-        match &self.template {
-            Some(path) => Template::read_file(path),
-            None => Ok(Template::default_for(self.labels().in_corpus(corpus)?)),
+        let labels = self.labels().in_corpus(corpus)?;
+        let Some(path) = &self.template else {
+            if labels == 0 {
+                let expected =
+                    "above 0, or come with a --template: the default one looks at the columns before the labels'";
+                return Err(Error::argument("--label-column", 0, expected));
+            }
+            return Ok(Template::default_for(labels));
+        };
+        let template = Template::read_file(path)?;
+        match template.refers_to(labels) {
+            Some(place) => {
+                Err(Error::data(place.clone(), format!("column {labels}, that of the labels"), "another column"))
+            }
+            None => Ok(template),
         }
+    }
+}
+
+/// An order's name, as it is given on the command line.
+pub fn order_name(order: Order) -> &'static str {
+    match order {
+        Order::Free => "free",
+        Order::Bio => "iob2",
     }
 }
 
@@ -147,47 +183,71 @@ impl From<ReuseName> for Reuse {
 
 /// A trainer's settings.
 #[derive(Args)]
+#[command(next_help_heading = "The algorithm's settings")]
 pub struct TrainerOptions {
-    /// Rounds of smile, searn and dagger
+    /// Rounds of smile [default: 7], searn, searn-shortcut, dagger and dagger-online [default: 5]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
-    /// SMILe's mixing rate, above 0 and at most 1
-    #[arg(long, value_name = "RATE")]
+    /// Mixing rate of smile, above 0 and at most 1 [default: 0.2]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     alpha: Option<f64>,
-    /// How SMILe reuses samples of earlier rounds; `--reuse` alone means ageing [default: none]
+    /// How smile reuses samples of earlier rounds; `--reuse` alone means ageing [default: none]
     #[arg(long, value_enum, value_name = "HOW", num_args = 0..=1, default_missing_value = "ageing")]
     reuse: Option<ReuseName>,
-    /// SEARN's mixing rate, above 0 and at most 1
-    #[arg(long, value_name = "RATE")]
+    /// Mixing rate of searn and searn-shortcut, above 0 and at most 1 [default: 0.3]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     beta: Option<f64>,
-    /// SEARN's roll-outs per action
+    /// Roll-outs of searn for each action [default: 1]
     #[arg(long, value_name = "N")]
     rollouts: Option<usize>,
-    /// Let each round's classifier start from the one before
+    /// Let each new classifier start from the one before (not for supervised and dagger-online)
     #[arg(long)]
     warm: bool,
 }
 
 impl TrainerOptions {
-    /// The trainer of this name with these settings.
-    ///
-    /// # Errors
-    /// When `strict` and a setting is given that the trainer has not.
-    pub fn trainer(&self, algorithm: Algorithm, strict: bool) -> Result<Trainer> {
-        use Algorithm::{
-            Dagger as D, DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U,
-        };
-        let applies = [
+    /// Refuses a setting that is out of its range, or given though none of the trainers of these names has it.
+    pub fn check(&self, algorithms: &[Algorithm]) -> Result<()> {
+        let settings: Vec<_> = algorithms.iter().map(|algorithm| self.settings(*algorithm)).collect();
+        for i in 0..settings.first().map_or(0, |all| all.len()) {
+            let (name, given, _) = settings[0][i];
+            if given && !settings.iter().any(|all| all[i].2) {
+                let names: Vec<String> = algorithms.iter().map(|a| a.name()).collect();
+                let have = if names.len() == 1 { "has" } else { "have" };
+                let expected = format!("left out: {} {have} no such setting", names.join(", "));
+                return Err(Error::argument(name, "given", expected));
+            }
+        }
+        let counts = [("--rounds", self.rounds), ("--rollouts", self.rollouts)];
+        if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
+            return Err(Error::argument(name, 0, "at least 1"));
+        }
+        for (name, rate) in [("--alpha", self.alpha), ("--beta", self.beta)] {
+            if let Some(rate) = rate.filter(|rate| !(*rate > 0.0 && *rate <= 1.0)) {
+                return Err(Error::argument(name, rate, "above 0 and at most 1"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Each setting's name, whether it is given, and whether `algorithm` has it.
+    fn settings(&self, algorithm: Algorithm) -> [(&'static str, bool, bool); 6] {
+        use Algorithm::{DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U};
+        [
             ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F)),
             ("--alpha", self.alpha.is_some(), algorithm == M),
             ("--reuse", self.reuse.is_some(), algorithm == M),
             ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut)),
             ("--rollouts", self.rollouts.is_some(), algorithm == S),
             ("--warm", self.warm, !matches!(algorithm, U | DaggerOnline)),
-        ];
-        if let Some((name, ..)) = applies.iter().find(|(_, given, meant)| strict && *given && !*meant) {
-            return Err(Error::argument(name, "given", format!("left out: {} has no such setting", algorithm.name())));
-        }
+        ]
+    }
+
+    /// The trainer of this name with these settings.
+    pub fn trainer(&self, algorithm: Algorithm) -> Trainer {
+        use Algorithm::{
+            Dagger as D, DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U,
+        };
         let searn = || {
             let default = Searn::default();
             Searn {
@@ -201,7 +261,7 @@ impl TrainerOptions {
             let default = Dagger::default();
             Dagger { rounds: self.rounds.unwrap_or(default.rounds), warm: self.warm }
         };
-        Ok(match algorithm {
+        match algorithm {
             U => Trainer::Supervised(Supervised {}),
             F => Trainer::Forward(Forward { warm: self.warm }),
             M => {
@@ -217,24 +277,25 @@ impl TrainerOptions {
             SearnShortcut => Trainer::SearnShortcut(searn()),
             D => Trainer::Dagger(dagger()),
             DaggerOnline => Trainer::DaggerOnline(dagger()),
-        })
+        }
     }
 }
 
 /// A learner with its settings.
 #[derive(Args)]
+#[command(next_help_heading = "The learner")]
 pub struct LearnerOptions {
-    /// The learner
+    /// What fits a classifier to the expert's answers
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits; dagger-online makes one a round
+    /// Passes over the examples each time the learner fits; dagger-online makes one a round whatever is given [default: 5, wap 3]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
-    /// AdaGrad's rate, for every learner but the perceptron
-    #[arg(long, value_name = "RATE")]
+    /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap 0.2]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     rate: Option<f32>,
-    /// L2 penalty per example, for every learner but the perceptron
-    #[arg(long, value_name = "WEIGHT")]
+    /// L2 penalty per example, for every learner but the perceptron [default: 0]
+    #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
 }
 

@@ -1,9 +1,10 @@
 //! `rollin train`
 
-use super::options::{Algorithm, LearnerOptions, Reading, ReadingName, TrainerOptions};
+use super::options::{Algorithm, LearnerOptions, Reading, ReadingName, TrainerOptions, order_name};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::error::Result;
+use crate::output::check_writable;
 use crate::report::{Table, grouped};
 use crate::seed::Seed;
 use crate::tasks::tagging::{About, Encoding, Tagger};
@@ -21,10 +22,10 @@ pub struct Train {
     /// The model file to write
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// The trainer
+    /// The algorithm that decides at which states the expert is asked
     #[arg(long, value_enum, default_value = "dagger-online", value_name = "NAME")]
     algorithm: Algorithm,
-    /// How the model reads a mixture
+    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn)
     #[arg(long, value_enum, default_value = "mean", value_name = "NAME")]
     reading: ReadingName,
     #[command(flatten)]
@@ -37,8 +38,10 @@ pub struct Train {
 
 impl Train {
     pub fn run(&self, global: &Global) -> Result<()> {
-        let trainer = self.trainer.trainer(self.algorithm, true)?;
+        self.trainer.check(&[self.algorithm])?;
+        let trainer = self.trainer.trainer(self.algorithm);
         let learner = self.learner.learner()?;
+        check_writable(&self.model)?;
         let corpus = self.columns.corpus(&self.data)?;
         let template = self.columns.template(&corpus)?;
         let (encoding, space) = Encoding::learn(&corpus, self.columns.labels(), template, self.columns.order())?;
@@ -82,11 +85,11 @@ impl Train {
             ]);
         }
         print(&format!(
-            "{} sentences, {} tokens, {} labels, {} order\n\n{table}\nwrote {}\n",
+            "{} sentences, {} tokens, {} labels, order {}\n\n{table}\nwrote {}\n",
             grouped(corpus.sentences() as f64),
             grouped(corpus.tokens() as f64),
             tagger.encoding.labels.len(),
-            to_json(&tagger.encoding.transitions.order()).trim_matches('"'),
+            order_name(tagger.encoding.transitions.order()),
             self.model.display(),
         ))
     }

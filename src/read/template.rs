@@ -208,6 +208,11 @@ impl Template {
         self.columns.iter().map(|(column, _)| *column as usize + 1).max().unwrap_or(0)
     }
 
+    /// Where the template refers to `column` first, if it does.
+    pub fn refers_to(&self, column: usize) -> Option<&Place> {
+        self.columns.iter().find(|(known, _)| *known as usize == column).map(|(_, place)| place)
+    }
+
     /// How many observation features each token has.
     pub fn observations(&self) -> usize {
         self.observe.lines()

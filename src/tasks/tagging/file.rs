@@ -88,7 +88,7 @@ impl Tagger {
                 body.extend(row[..weights.columns()].iter().flat_map(|w| w.to_le_bytes()));
             }
         }
-        let mut bytes = format!("{MAGIC}{VERSION}\n{}\n", seal(&body)).into_bytes();
+        let mut bytes = format!("{MAGIC}{VERSION}\n{}\n", second_line(body.len(), checksum(&body))).into_bytes();
         bytes.extend(body);
         bytes
     }
@@ -125,7 +125,11 @@ impl Tagger {
         if header.task != "tagging" {
             return Err(Error::file(path, format!("a model for {}", header.task), "a tagging model is needed"));
         }
-        let (labels, template) = (header.labels, Template::parse(&header.template, path)?);
+        // Whatever its template is blamed for later is not to look like a line of the model file.
+        let source = format!("<template in {}>", path.display());
+        let template =
+            Template::parse(&header.template, source.as_ref()).map_err(|error| broken(&error.to_string()))?;
+        let labels = header.labels;
         if labels.is_empty() || labels.len() > MOST_LABELS || !labels.is_sorted_by(|a, b| a < b) {
             return Err(broken("its labels are not a sorted list of names"));
         }
@@ -149,7 +153,7 @@ impl Tagger {
             history: [].into(),
             labels,
         };
-        encoding.number_history()?;
+        encoding.number_history().map_err(|error| broken(&error.to_string()))?;
 
         let classifiers = header
             .rows
@@ -226,15 +230,20 @@ fn checked_body<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8]> {
         .ok()
         .and_then(|line| line.split_once(" bytes, checksum "))
         .and_then(|(length, sum)| Some((length.parse::<usize>().ok()?, u64::from_str_radix(sum, 16).ok()?)))
+        .filter(|(length, sum)| line == second_line(*length, *sum).as_bytes())
         .ok_or_else(|| damaged(path, "its second line gives no length and checksum"))?;
     if body.len() != length {
         return Err(damaged(path, &format!("it has {} bytes of {length}", body.len())));
     }
-    // Numbers can be written in more than one way, and only one of them is ever written.
-    if checksum(body) != sum || line != seal(body).as_bytes() {
+    if checksum(body) != sum {
         return Err(damaged(path, "its checksum is wrong"));
     }
     Ok(body)
+}
+
+/// The line that tells the body's length and checksum.
+fn second_line(length: usize, sum: u64) -> String {
+    format!("{length} bytes, checksum {sum:016x}")
 }
 
 fn damaged(path: &Path, what: &str) -> Error {
@@ -245,11 +254,6 @@ fn damaged(path: &Path, what: &str) -> Error {
 fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = memchr::memchr(b'\n', bytes)?;
     Some((&bytes[..end], &bytes[end + 1..]))
-}
-
-/// The second line of a file with this body.
-fn seal(body: &[u8]) -> String {
-    format!("{} bytes, checksum {:016x}", body.len(), checksum(body))
 }
 
 fn checksum(bytes: &[u8]) -> u64 {
