@@ -33,6 +33,31 @@ fn vectors() -> Option<PathBuf> {
     path.exists().then_some(path)
 }
 
+/// Audits every line of `text` and compares what it says it should be; gives the number of lines and of keys compared.
+fn check(path: &str, text: &str) -> (usize, usize) {
+    let mut wrong = Vec::new();
+    let (mut lines, mut keys) = (0, 0);
+    for line in text.lines() {
+        lines += 1;
+        let expected: Value = serde_json::from_str(line).expect("JSON");
+        let instance = Instance::parse(path, line.as_bytes()).expect("an instance");
+        let found = serde_json::to_value(audit(&instance).expect("an audit")).expect("JSON");
+        for group in ["eval", "forward", "korder", "smile", "searn", "reuse", "counts", "population"] {
+            for (key, expected) in expected[group].as_object().into_iter().flatten() {
+                keys += 1;
+                wrong.extend(difference(&format!("{group}.{key}"), &found[group][key], expected).map(|d| (lines, d)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} differences\n{}", wrong.len(), summary(&wrong));
+    (lines, keys)
+}
+
+#[test]
+fn six_by_hand() {
+    assert_eq!(check("tests/data/theory.jsonl", include_str!("data/theory.jsonl")), (6, 102));
+}
+
 #[test]
 fn sixty_instances() {
     let Some(path) = vectors() else {
@@ -40,22 +65,7 @@ fn sixty_instances() {
         return;
     };
     let text = std::fs::read_to_string(&path).expect("it exists");
-    let mut wrong = Vec::new();
-    let mut lines = 0;
-    for line in text.lines() {
-        lines += 1;
-        let expected: Value = serde_json::from_str(line).expect("JSON");
-        let instance = Instance::parse(&path, line.as_bytes()).expect("an instance");
-        let found = serde_json::to_value(audit(&instance).expect("an audit")).expect("JSON");
-        for group in ["eval", "forward", "korder", "smile", "searn", "reuse", "counts", "population"] {
-            let expected = expected[group].as_object().expect("a group");
-            for (key, expected) in expected {
-                wrong.extend(difference(&format!("{group}.{key}"), &found[group][key], expected).map(|d| (lines, d)));
-            }
-        }
-    }
-    assert_eq!(lines, 60);
-    assert!(wrong.is_empty(), "{} differences\n{}", wrong.len(), summary(&wrong));
+    assert_eq!(check("vectors.jsonl", &text), (60, 60 * 83));
 }
 
 /// The first difference of every key.
