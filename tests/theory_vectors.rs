@@ -1,13 +1,15 @@
 //! The theory against worked instances: exact rationals printed as numbers, computed by an independent program.
 //!
-//! Six small instances with numbers worked by hand always run. The 60 larger ones are read from `$ROLLIN_DATA/../theory/vectors.jsonl`.
+//! Six small instances with numbers worked by hand always run. The 60 larger ones are read from
+//! `$ROLLIN_DATA/../theory/vectors.jsonl`.
 
 use rollin::theory::audit::audit;
 use rollin::theory::instance::Instance;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// The first place where `found` does not hold what `expected` holds, to 1e-9; keys that only `found` has do not matter.
+/// The first place where `found` does not hold what `expected` holds, to 1e-9; keys that only `found` has do not
+/// matter.
 fn difference(at: &str, found: &Value, expected: &Value) -> Option<String> {
     match (found, expected) {
         (Value::Number(found), Value::Number(expected)) => {

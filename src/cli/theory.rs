@@ -30,7 +30,8 @@ enum Question {
 
 #[derive(Args)]
 struct AuditArgs {
-    /// One JSON object with S, A, T, mu, P, C and expert, and optionally pi, pis, hats, N, alpha, phi, m and k_roll; `-` reads standard input
+    /// One JSON object with S, A, T, mu, P, C and expert, and optionally pi, pis, hats, N, alpha, phi, m and k_roll;
+    /// `-` reads standard input
     #[arg(value_name = "INSTANCE")]
     instance: PathBuf,
 }
@@ -233,6 +234,7 @@ impl Closed {
         let n = (rounds <= MOST as f64).then_some(rounds as usize);
         let (steps, log) = (horizon as f64, (-alpha).ln_1p());
         let kept = (rounds * log).exp();
+        let before = if rounds > 1.0 { ((rounds - 1.0) * log).exp() } else { 1.0 };
         let fresh = closed::fresh42(horizon, alpha);
         let short = n.filter(|n| *n as f64 * steps * steps <= 1e9);
         let alpha_printed = closed::alpha_printed(horizon);
@@ -252,7 +254,7 @@ impl Closed {
             inverse_square_constant: (steps + 1.0) / (2.0 * steps),
             new_share_42: fresh,
             new_share_43_first: closed::fresh43(horizon, alpha, 1),
-            new_share_43_last: closed::gone(alpha * ((rounds - 1.0) * log).exp().min(1.0), horizon),
+            new_share_43_last: closed::gone(alpha * before, horizon),
             samples_42: 1.0 + (rounds - 1.0) * fresh,
             samples_43: n.map(|n| 1.0 + (1..n).map(|n| closed::fresh43(horizon, alpha, n)).sum::<f64>()),
             samples_43_bound: steps + 1.0,

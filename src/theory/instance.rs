@@ -91,8 +91,8 @@ impl Instance {
     /// Reads an instance from the file at `path`, or from standard input if it is `-`.
     ///
     /// # Errors
-    /// A file that cannot be read or is larger than [`LARGEST`]; text that is not JSON of the right types, with line and column; a value
-    /// that cannot be, with its JSON path.
+    /// A file that cannot be read or is larger than [`LARGEST`]; text that is not JSON of the right types, with line
+    /// and column; a value that cannot be, with its JSON path.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         if path == Path::new("-") {

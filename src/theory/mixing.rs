@@ -1,7 +1,8 @@
 //! Stochastic mixing (Section 4): pi^n = (1-a) pi^{n-1} + a hat^n from pi^0 = pi*, exactly, with given classifiers.
 //!
-//! SEARN's hat^n is its n-th classifier, SMILe's mimics pi^{n-1}: hat^n = p_{n-1} hat*^n + (1-p_{n-1}) pitilde^{n-1}. In SMILe pi^n is then
-//! p_n pi* + sum_j a p_{j-1} hat*^j: weights stay as they are, where SEARN's old classifiers fade.
+//! SEARN's hat^n is its n-th classifier, SMILe's mimics pi^{n-1}: hat^n = p_{n-1} hat*^n + (1-p_{n-1}) pitilde^{n-1}.
+//! In SMILe pi^n is then p_n pi* + sum_j a p_{j-1} hat*^j: weights stay as they are, where SEARN's old classifiers
+//! fade.
 
 use super::closed::{choose, gone, kept, rounds, shares, tail};
 use super::evaluate::{Evaluation, evaluate};
@@ -190,8 +191,8 @@ impl Mixing {
         (1..=horizon).map(bound).collect()
     }
 
-    /// What Lemma 4.2 allows for dropping the expert from pi^n: as printed p_n T^2, with the expert's first step costing the steps left
-    /// p_n T(T+1)/2, and exactly T - sum_{t<=T} (1-p_n)^t, which is attained.
+    /// What Lemma 4.2 allows for dropping the expert from pi^n: as printed p_n T^2, with the expert's first step
+    /// costing the steps left p_n T(T+1)/2, and exactly T - sum_{t<=T} (1-p_n)^t, which is attained.
     pub fn lemma_4_2(&self, n: usize) -> [f64; 3] {
         let (p, horizon) = (kept(self.rate, n), self.horizon as f64);
         let sharp = (1..=self.horizon).map(|t| gone(p, t)).sum();
