@@ -79,7 +79,7 @@ fn audit_names_the_fault() {
         ("/T", json!(1_000_000_000_000u64), "T: 1000000000000; expected from 1 to"),
         ("/T", json!(3), "pis: 2 policies; expected 3"),
         ("/N", json!(3), "hats: 2 classifiers; expected 3"),
-        ("/alpha", json!(0), "alpha: 0; expected a rate above 0 and at most 1"),
+        ("/alpha", json!(0), "alpha: 0; expected a rate from 1e-15 to 1"),
         ("/hats/1/0", json!([0.5, 0.6]), "hats[1][0]: sums to 1.1; expected 1"),
         ("/pis/1/1", json!([1]), "pis[1][1]: 1 numbers; expected 2"),
         ("/phi", json!([]), "phi: 0 numbers; expected 2"),

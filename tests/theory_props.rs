@@ -7,15 +7,18 @@
 use ndarray::{Array1, Array2, Array3, Axis};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use rollin::theory::audit::audit;
 use rollin::theory::bounds::{self, Bound};
 use rollin::theory::closed;
 use rollin::theory::counts::{Counts, Plan};
 use rollin::theory::forward::Forward;
+use rollin::theory::instance::Instance;
 use rollin::theory::korder::{laws, orders};
 use rollin::theory::mixing::{Mixing, Proposal, Smile};
 use rollin::theory::population::Class;
 use rollin::theory::reuse::Reuse;
 use rollin::theory::{Evaluation, Mdp, Parts, Table, evaluate, instances};
+use serde_json::{Value, json};
 
 /// 2,000 random problems a law, or as many as PROPTEST_CASES says.
 fn config() -> ProptestConfig {
@@ -608,6 +611,74 @@ fn orders_scale() {
     let sum: f64 = mass.iter().zip(&orders.costs).map(|(p, cost)| p * cost).sum();
     assert!((evaluate(&mdp, &mixture).unwrap().cost - sum).abs() < 1e-8);
     assert!(seconds < 60.0, "{seconds} s");
+}
+
+/// The JSON pointers of everything within `value`.
+fn pointers(value: &Value, at: String, all: &mut Vec<String>) {
+    match value {
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, value)| pointers(value, format!("{at}/{i}"), all)),
+        Value::Object(map) => map.iter().for_each(|(key, value)| pointers(value, format!("{at}/{key}"), all)),
+        _ => {}
+    }
+    all.push(at);
+}
+
+/// What a broken writer of instances might put anywhere.
+fn junk() -> impl Strategy<Value = Value> {
+    prop::sample::select(vec![
+        json!(null),
+        json!(-1),
+        json!(0),
+        json!(1),
+        json!(2),
+        json!(3),
+        json!(0.5),
+        json!(1e308),
+        json!(5e-324),
+        json!(1e-15),
+        json!(u64::MAX),
+        json!("x"),
+        json!([]),
+        json!({}),
+        json!([1]),
+        json!([0.5, 0.5]),
+        json!([[1, 0], [0, 1]]),
+        json!([[[1, 0], [0, 1]]]),
+    ])
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    /// An instance is refused or audited; what is audited has finite values, and bounds that hold where they apply.
+    #[test]
+    fn no_instance_panics(line in 0usize..6, changes in vec((any::<prop::sample::Index>(), junk()), 0..4)) {
+        let line = include_str!("data/theory.jsonl").lines().nth(line).unwrap();
+        let mut value: Value = serde_json::from_str(line).unwrap();
+        for (index, junk) in changes {
+            let mut all = Vec::new();
+            pointers(&value, String::new(), &mut all);
+            // The outermost is last; replacing it leaves nothing to test.
+            all.pop();
+            if !all.is_empty() {
+                let at: &String = index.get(&all);
+                *value.pointer_mut(at).unwrap() = junk;
+            }
+        }
+        let Ok(instance) = Instance::parse("instance", value.to_string().as_bytes()) else {
+            return Ok(());
+        };
+        let audit = audit(&instance).unwrap();
+        for bound in &audit.theorems {
+            prop_assert!(!bound.applies() || bound.holds(), "{bound:?}");
+        }
+    }
+
+    #[test]
+    fn no_text_panics(text in ".{0,200}", bytes in vec(any::<u8>(), 0..100)) {
+        prop_assert!(Instance::parse("instance", text.as_bytes()).is_err());
+        prop_assert!(Instance::parse("instance", &bytes).is_err());
+    }
 }
 
 /// Values, action values, visits and advantages fit together.

@@ -95,9 +95,6 @@ fn within<N: PartialOrd + std::fmt::Display>(name: &'static str, value: N, least
     Err(Error::argument(name, value, format!("from {least} to {most}")))
 }
 
-/// The smallest rate: below it, sums of 1 and a rate are 1.
-const SLOWEST: f64 = 1e-15;
-
 /// The most steps and rounds that closed forms are evaluated for.
 const MOST: usize = 10_000_000;
 
@@ -217,7 +214,7 @@ struct Closed {
 impl BoundsArgs {
     fn run(&self, global: &Global) -> Result<()> {
         let horizon = within("--horizon", self.horizon, 1, MOST / 10)?;
-        let alpha = within("--alpha", self.alpha, SLOWEST, 1.0)?;
+        let alpha = within("--alpha", self.alpha, closed::SLOWEST, 1.0)?;
         let wanted = closed::rounds(alpha, horizon);
         let rounds = match self.rounds {
             Some(rounds) => within("--rounds", rounds, 1, MOST)? as f64,
@@ -303,8 +300,8 @@ impl PlanArgs {
             horizon: within("--horizon", self.horizon, 1, MOST)?,
             actions: within("--actions", self.actions, 1, MOST)?,
             rounds: within("--rounds", self.rounds, 1, MOST)?,
-            alpha: within("--alpha", self.alpha, SLOWEST, 1.0)?,
-            beta: within("--beta", self.beta, SLOWEST, 1.0)?,
+            alpha: within("--alpha", self.alpha, closed::SLOWEST, 1.0)?,
+            beta: within("--beta", self.beta, closed::SLOWEST, 1.0)?,
             samples: within("--m", self.samples, 1, crate::theory::instance::MOST_SAMPLES)?,
             rollouts: within("--k", self.rollouts, 0, crate::theory::instance::MOST_SAMPLES)?,
         };

@@ -1,7 +1,11 @@
 //! Closed forms in the horizon T, the mixing rate a (alpha or beta) and the round n.
 //!
 //! p_n = (1-a)^n is the expert's share after n rounds, w_j = a p_{j-1} the weight of SMILe's j-th classifier,
-//! beta_n = (1-p_{n-1})/(1-p_n) the share that the older classifiers keep among all classifiers. Rates are in (0, 1].
+//! beta_n = (1-p_{n-1})/(1-p_n) the share that the older classifiers keep among all classifiers. Rates are from
+//! [`SLOWEST`] to 1.
+
+/// The smallest rate that is accepted: a hundred times slower, and 1 - a is 1.
+pub const SLOWEST: f64 = 1e-15;
 
 /// p_n = (1-a)^n.
 pub fn kept(rate: f64, n: usize) -> f64 {
@@ -125,7 +129,8 @@ pub fn bias43(k: usize, rate: f64, n: usize) -> f64 {
 /// TV(Bin(n,p) given not 0, Bin(n,p) size-biased): the sum over x of Bin(x) (x/(np) - 1/P(not 0))^+.
 fn distance(n: usize, p: f64, q: f64, some: f64) -> f64 {
     let mean = n as f64 * p;
-    let excess = |(x, mass): (usize, f64)| mass * (x as f64 / mean - 1.0 / some).max(0.0);
+    // Multiplied out: at x = 1 nothing is left, from x = 2 on nothing cancels for small p.
+    let excess = |(x, mass): (usize, f64)| mass * (x as f64 * some - mean).max(0.0) / (mean * some);
     binomial(n, p, q).into_iter().enumerate().skip(1).map(excess).sum()
 }
 

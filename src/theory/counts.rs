@@ -22,9 +22,9 @@ pub struct Plan {
     pub actions: usize,
     /// N.
     pub rounds: usize,
-    /// SMILe's alpha, in (0, 1].
+    /// SMILe's alpha, from 1e-15 to 1.
     pub alpha: f64,
-    /// SEARN's beta, in (0, 1].
+    /// SEARN's beta, from 1e-15 to 1.
     pub beta: f64,
     /// m, state samples a round.
     pub samples: u64,

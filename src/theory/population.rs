@@ -92,7 +92,7 @@ impl<'a> Class<'a> {
     /// SMILe: hat*^1, ..., hat*^N, each the least 0-1 loss under d of pi^{n-1}.
     ///
     /// # Errors
-    /// A rate outside (0, 1].
+    /// A rate outside \[1e-15, 1\].
     pub fn smile(&self, rate: f64, rounds: usize) -> Result<Vec<Choice>> {
         self.rounds(rate, rounds, |policy| Ok(self.mimic(evaluate(self.mdp, policy)?.mean().view())), Proposal::Smile)
     }
@@ -101,7 +101,7 @@ impl<'a> Class<'a> {
     /// steps.
     ///
     /// # Errors
-    /// A rate outside (0, 1].
+    /// A rate outside \[1e-15, 1\].
     pub fn searn(&self, rate: f64, rounds: usize) -> Result<Vec<Choice>> {
         let deviate = |policy: &Table| {
             let evaluation = evaluate(self.mdp, policy)?;
