@@ -187,6 +187,7 @@ proptest! {
                 holds(&bounds::lemma_4_1(&smile.mixing, n, k))?;
             }
             holds(&bounds::lemma_4_2(&smile.mixing, n))?;
+            holds(&bounds::lemma_4_2_half(&smile.mixing, n))?;
             holds(&bounds::lemma_4_2_sharp(&smile.mixing, n))?;
             holds(&bounds::theorem_4_1(&smile, n))?;
             holds(&bounds::coupling(&smile, n))?;
