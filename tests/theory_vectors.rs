@@ -1,13 +1,15 @@
 //! The theory against worked instances: exact rationals printed as numbers, computed by an independent program.
 //!
-//! Six small instances with numbers worked by hand always run. The 60 larger ones are read from `$ROLLIN_DATA/../theory/vectors.jsonl`.
+//! Six small instances with numbers worked by hand always run. The 60 larger ones are read from
+//! `$ROLLIN_DATA/../theory/vectors.jsonl`.
 
 use rollin::theory::audit::audit;
 use rollin::theory::instance::Instance;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// The first place where `found` does not hold what `expected` holds, to 1e-9; keys that only `found` has do not matter.
+/// The first place where `found` does not hold what `expected` holds, to 1e-9; keys that only `found` has do not
+/// matter.
 fn difference(at: &str, found: &Value, expected: &Value) -> Option<String> {
     match (found, expected) {
         (Value::Number(found), Value::Number(expected)) => {
@@ -33,6 +35,31 @@ fn vectors() -> Option<PathBuf> {
     path.exists().then_some(path)
 }
 
+/// Audits every line of `text` and compares what it says it should be; gives the number of lines and of keys compared.
+fn check(path: &str, text: &str) -> (usize, usize) {
+    let mut wrong = Vec::new();
+    let (mut lines, mut keys) = (0, 0);
+    for line in text.lines() {
+        lines += 1;
+        let expected: Value = serde_json::from_str(line).expect("JSON");
+        let instance = Instance::parse(path, line.as_bytes()).expect("an instance");
+        let found = serde_json::to_value(audit(&instance).expect("an audit")).expect("JSON");
+        for group in ["eval", "forward", "korder", "smile", "searn", "reuse", "counts", "population"] {
+            for (key, expected) in expected[group].as_object().into_iter().flatten() {
+                keys += 1;
+                wrong.extend(difference(&format!("{group}.{key}"), &found[group][key], expected).map(|d| (lines, d)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} differences\n{}", wrong.len(), summary(&wrong));
+    (lines, keys)
+}
+
+#[test]
+fn six_by_hand() {
+    assert_eq!(check("tests/data/theory.jsonl", include_str!("data/theory.jsonl")), (6, 102));
+}
+
 #[test]
 fn sixty_instances() {
     let Some(path) = vectors() else {
@@ -40,22 +67,7 @@ fn sixty_instances() {
         return;
     };
     let text = std::fs::read_to_string(&path).expect("it exists");
-    let mut wrong = Vec::new();
-    let mut lines = 0;
-    for line in text.lines() {
-        lines += 1;
-        let expected: Value = serde_json::from_str(line).expect("JSON");
-        let instance = Instance::parse(&path, line.as_bytes()).expect("an instance");
-        let found = serde_json::to_value(audit(&instance).expect("an audit")).expect("JSON");
-        for group in ["eval", "forward", "korder", "smile", "searn", "reuse", "counts", "population"] {
-            let expected = expected[group].as_object().expect("a group");
-            for (key, expected) in expected {
-                wrong.extend(difference(&format!("{group}.{key}"), &found[group][key], expected).map(|d| (lines, d)));
-            }
-        }
-    }
-    assert_eq!(lines, 60);
-    assert!(wrong.is_empty(), "{} differences\n{}", wrong.len(), summary(&wrong));
+    assert_eq!(check("vectors.jsonl", &text), (60, 60 * 83));
 }
 
 /// The first difference of every key.

@@ -30,7 +30,8 @@ enum Question {
 
 #[derive(Args)]
 struct AuditArgs {
-    /// One JSON object with S, A, T, mu, P, C and expert, and optionally pi, pis, hats, N, alpha, phi, m and k_roll; `-` reads standard input
+    /// One JSON object with S, A, T, mu, P, C and expert, and optionally pi, pis, hats, N, alpha, phi, m and k_roll;
+    /// `-` reads standard input
     #[arg(value_name = "INSTANCE")]
     instance: PathBuf,
 }
@@ -93,9 +94,6 @@ fn within<N: PartialOrd + std::fmt::Display>(name: &'static str, value: N, least
     }
     Err(Error::argument(name, value, format!("from {least} to {most}")))
 }
-
-/// The smallest rate: below it, sums of 1 and a rate are 1.
-const SLOWEST: f64 = 1e-15;
 
 /// The most steps and rounds that closed forms are evaluated for.
 const MOST: usize = 10_000_000;
@@ -162,6 +160,11 @@ fn drift(reuse: &crate::theory::audit::ReuseGroup) -> Table {
     table
 }
 
+/// Six digits behind the point where they say something, else six significant ones.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e9).contains(&value.abs()) { format!("{value:.6}") } else { format!("{value:.6e}") }
+}
+
 /// The expected queries as a table.
 fn bill(counts: &Counts) -> Table {
     let mut table = Table::new(["algorithm", "expected expert queries", "standard deviation"]);
@@ -216,7 +219,7 @@ struct Closed {
 impl BoundsArgs {
     fn run(&self, global: &Global) -> Result<()> {
         let horizon = within("--horizon", self.horizon, 1, MOST / 10)?;
-        let alpha = within("--alpha", self.alpha, SLOWEST, 1.0)?;
+        let alpha = within("--alpha", self.alpha, closed::SLOWEST, 1.0)?;
         let wanted = closed::rounds(alpha, horizon);
         let rounds = match self.rounds {
             Some(rounds) => within("--rounds", rounds, 1, MOST)? as f64,
@@ -233,8 +236,9 @@ impl Closed {
         let n = (rounds <= MOST as f64).then_some(rounds as usize);
         let (steps, log) = (horizon as f64, (-alpha).ln_1p());
         let kept = (rounds * log).exp();
+        let before = if rounds > 1.0 { ((rounds - 1.0) * log).exp() } else { 1.0 };
         let fresh = closed::fresh42(horizon, alpha);
-        let short = n.filter(|n| *n as f64 * steps * steps <= 1e9);
+        let short = n.filter(|n| *n as f64 * steps * steps <= 2e8);
         let alpha_printed = closed::alpha_printed(horizon);
         Closed {
             horizon,
@@ -252,7 +256,7 @@ impl Closed {
             inverse_square_constant: (steps + 1.0) / (2.0 * steps),
             new_share_42: fresh,
             new_share_43_first: closed::fresh43(horizon, alpha, 1),
-            new_share_43_last: closed::gone(alpha * ((rounds - 1.0) * log).exp().min(1.0), horizon),
+            new_share_43_last: closed::gone(alpha * before, horizon),
             samples_42: 1.0 + (rounds - 1.0) * fresh,
             samples_43: n.map(|n| 1.0 + (1..n).map(|n| closed::fresh43(horizon, alpha, n)).sum::<f64>()),
             samples_43_bound: steps + 1.0,
@@ -266,29 +270,29 @@ impl Closed {
 
     fn readable(&self) -> String {
         let mut table = Table::new(["closed form", "value"]);
-        let long = |value: Option<f64>| value.map_or("too many rounds".to_owned(), |value| format!("{value:.6}"));
-        let share = |value: f64| format!("{:.4}%", 100.0 * value);
+        let long = |value: Option<f64>| value.map_or("too many rounds".to_owned(), number);
+        let share = |value: f64| number(100.0 * value) + "%";
         let mut row = |name: &str, value: String| table.row([name.to_owned(), value]);
         row("rounds N", grouped(self.rounds));
-        row("expert's share p_N", format!("{:.6}", self.kept));
+        row("expert's share p_N", number(self.kept));
         row("N for p_N <= 1/T^2", grouped(self.rounds_to_inverse_square));
         row("N as printed, (2/alpha) ln T", grouped(self.rounds_to_inverse_square_printed));
-        row("Lemma 4.2: dropping the expert, p_N T^2", format!("{:.6}", self.lemma_4_2));
-        row("Lemma 4.2, by the steps left, p_N T(T+1)/2", format!("{:.6}", self.lemma_4_2_half));
-        row("Lemma 4.1's tail at k = 2, N alpha^3 T C(T,3)", format!("{:.6}", self.lemma_4_1_tail));
-        row("Theorem 4.1's alpha", self.theorem_4_1_alpha.map_or("none".to_owned(), |alpha| format!("{alpha:.9}")));
+        row("Lemma 4.2: dropping the expert, p_N T^2", number(self.lemma_4_2));
+        row("Lemma 4.2, by the steps left, p_N T(T+1)/2", number(self.lemma_4_2_half));
+        row("Lemma 4.1's tail at k = 2, N alpha^3 T C(T,3)", number(self.lemma_4_1_tail));
+        row("Theorem 4.1's alpha", self.theorem_4_1_alpha.map_or("none".to_owned(), number));
         row("Theorem 4.1's N", grouped(self.theorem_4_1_rounds));
         row("N at alpha = 1/T^2", grouped(self.inverse_square_rounds));
-        row("additive constant at alpha = 1/T^2", format!("{:.6}", self.inverse_square_constant));
+        row("additive constant at alpha = 1/T^2", number(self.inverse_square_constant));
         row("new trajectories a round, Algorithm 4.2", share(self.new_share_42));
         row("new trajectories, Algorithm 4.3, first round", share(self.new_share_43_first));
         row("new trajectories, Algorithm 4.3, last round", share(self.new_share_43_last));
-        row("samples in all, in units of m: no reuse", format!("{:.3}", self.samples_without_reuse));
-        row("  Algorithm 4.2", format!("{:.3}", self.samples_42));
-        row("  Algorithm 4.3 and its repairs", self.samples_43.map_or("too many rounds".into(), |x| format!("{x:.3}")));
-        row("  Algorithm 4.3, the paper's bound", format!("{:.3}", self.samples_43_bound));
-        row("Algorithm 4.2's use of the newest policy, times what it should be", format!("{:.6}", self.overuse_42));
-        row("total variation of its new trajectories, once", format!("{:.6}", self.bias_42));
+        row("samples in all, in units of m: no reuse", number(self.samples_without_reuse));
+        row("  Algorithm 4.2", number(self.samples_42));
+        row("  Algorithm 4.3 and its repairs", long(self.samples_43));
+        row("  Algorithm 4.3, the paper's bound", number(self.samples_43_bound));
+        row("Algorithm 4.2's use of the newest policy, times what it should be", number(self.overuse_42));
+        row("total variation of its new trajectories, once", number(self.bias_42));
         row("  accumulated after N rounds, at most", long(self.drift_42));
         row("  Algorithm 4.3, accumulated after N rounds, at most", long(self.drift_43));
         table.to_string()
@@ -301,8 +305,8 @@ impl PlanArgs {
             horizon: within("--horizon", self.horizon, 1, MOST)?,
             actions: within("--actions", self.actions, 1, MOST)?,
             rounds: within("--rounds", self.rounds, 1, MOST)?,
-            alpha: within("--alpha", self.alpha, SLOWEST, 1.0)?,
-            beta: within("--beta", self.beta, SLOWEST, 1.0)?,
+            alpha: within("--alpha", self.alpha, closed::SLOWEST, 1.0)?,
+            beta: within("--beta", self.beta, closed::SLOWEST, 1.0)?,
             samples: within("--m", self.samples, 1, crate::theory::instance::MOST_SAMPLES)?,
             rollouts: within("--k", self.rollouts, 0, crate::theory::instance::MOST_SAMPLES)?,
         };

@@ -1,7 +1,9 @@
-//! Every bound of Ross & Bagnell (2010) on exact values: one function a theorem, each giving left side, right side and slack.
+//! Every bound of Ross & Bagnell (2010) on exact values: one function a theorem, each giving left side, right side and
+//! slack.
 //!
-//! Where the printed statement needs a hypothesis the bound carries it, true or not; where it is not needed its name says so. Where a printed
-//! statement is weaker than what its proof gives, or leaves constants open, the stronger form stands beside it.
+//! Where the printed statement needs a hypothesis the bound carries it, true or not; where it is not needed its name
+//! says so. Where a printed statement is weaker than what its proof gives, or leaves constants open, the stronger form
+//! stands beside it.
 
 use super::closed::{alpha_printed, kept, rounds_printed, tail};
 use super::evaluate::evaluate;
@@ -97,7 +99,8 @@ pub fn forward_worst(forward: &Forward) -> Bound {
     Bound::new("Section 3, worst case: sum eps_i (T-i+1)", forward.last(), forward.expert_cost() + sum)
 }
 
-/// Lemma 4.1 at order k, 1 <= k <= T, after n rounds. The printed hypothesis alpha <= 1/T is not needed; at k = T and n = 1 it is an equality.
+/// Lemma 4.1 at order k, 1 <= k <= T, after n rounds. The printed hypothesis alpha <= 1/T is not needed; at k = T it is
+/// an equality.
 pub fn lemma_4_1(mixing: &Mixing, n: usize, k: usize) -> Bound {
     let n = n.min(mixing.rounds());
     let k = k.clamp(1, mixing.horizon());
@@ -109,6 +112,12 @@ pub fn lemma_4_1(mixing: &Mixing, n: usize, k: usize) -> Bound {
 pub fn lemma_4_2(mixing: &Mixing, n: usize) -> Bound {
     let [printed, ..] = mixing.lemma_4_2(n);
     Bound::new("Lemma 4.2", mixing.unsupervised_cost(n), mixing.cost(n) + printed)
+}
+
+/// Lemma 4.2 with the steps that are left when the expert first acts: J(pitilde^n) <= J(pi^n) + p_n T(T+1)/2, n >= 1.
+pub fn lemma_4_2_half(mixing: &Mixing, n: usize) -> Bound {
+    let [_, half, _] = mixing.lemma_4_2(n);
+    Bound::new("Lemma 4.2, by the steps left: p T(T+1)/2", mixing.unsupervised_cost(n), mixing.cost(n) + half)
 }
 
 /// Lemma 4.2, sharp: J(pitilde^n) <= J(pi^n) + T - sum_{t<=T} (1-p_n)^t, n >= 1; attained by
@@ -126,7 +135,8 @@ pub fn theorem_4_1(smile: &Smile, n: usize) -> Bound {
 }
 
 /// Theorem 4.1 at its printed alpha and N, with the constants that O() hides:
-/// J(pitilde^N) <= J* + T max(A~,0) + sqrt(3/ln T) T eps~ + N a^3 T C(T,3) + p_N T^2; the last two are about sqrt(3) and T^{2-2 sqrt(3)}.
+/// J(pitilde^N) <= J* + T max(A~,0) + sqrt(3/ln T) T eps~ + N a^3 T C(T,3) + p_N T^2; the last two are about sqrt(3)
+/// and T^{2-2 sqrt(3)}.
 pub fn theorem_4_1_printed(smile: &Smile, n: usize) -> Bound {
     let (bounds, mixing) = (smile.bounds(n), &smile.mixing);
     let horizon = mixing.horizon() as f64;
@@ -151,7 +161,8 @@ pub fn difference(smile: &Smile, n: usize) -> Bound {
     Bound::new("Performance difference", smile.mixing.unsupervised_cost(n), smile.bounds(n).B_pdl)
 }
 
-/// A statement without O(): alpha = 1/T^2 and N >= 2 T^2 ln T give J(pitilde^N) <= J* + T(A~ + eps~) + (T+1)/(2T), for either sign of A~.
+/// A statement without O(): alpha = 1/T^2 and N >= 2 T^2 ln T give J(pitilde^N) <= J* + T(A~ + eps~) + (T+1)/(2T), for
+/// either sign of A~.
 pub fn inverse_square(smile: &Smile, n: usize) -> Bound {
     let (bounds, mixing) = (smile.bounds(n), &smile.mixing);
     let horizon = mixing.horizon() as f64;
@@ -162,7 +173,8 @@ pub fn inverse_square(smile: &Smile, n: usize) -> Bound {
         .given("p_N <= 1/T^2", kept(mixing.rate, n) * square <= 1.0 + 1e-12)
 }
 
-/// SEARN: J(pitilde^n) <= J* + n b T(1-b)^{T-1} Abar_1 + n b^2 T C(T,2) + p_n T^2, n >= 1: Lemma 4.1 at k = 1 and Lemma 4.2.
+/// SEARN: J(pitilde^n) <= J* + n b T(1-b)^{T-1} Abar_1 + n b^2 T C(T,2) + p_n T^2, n >= 1: Lemma 4.1 at k = 1 and Lemma
+/// 4.2.
 pub fn searn(mixing: &Mixing, n: usize) -> Bound {
     let n = n.min(mixing.rounds());
     let rhs = mixing.lemma_4_1(n)[0] + mixing.lemma_4_2(n)[0];
@@ -174,8 +186,8 @@ pub fn conservative(mixing: &Mixing, n: usize) -> Bound {
     Bound::new("CPI: b T A_1 + b^2 T(T^2-1)/3 a round", mixing.cost(n), mixing.conservative(n))
 }
 
-/// The step b* = -3 A_1/(2(T^2-1)) that makes CPI's bound least, and the improvement 3T A_1^2/(4(T^2-1)) that it promises; nothing unless
-/// A_1 < 0 and T > 1. A step above 1 is taken as 1, and promises what the bound gives there.
+/// The step b* = -3 A_1/(2(T^2-1)) that makes CPI's bound least, and the improvement 3T A_1^2/(4(T^2-1)) that it
+/// promises; nothing unless A_1 < 0 and T > 1. A step above 1 is taken as 1, and promises what the bound gives there.
 pub fn safe_step(disadvantage: f64, horizon: usize) -> Option<(f64, f64)> {
     let horizon = horizon as f64;
     if disadvantage >= 0.0 || disadvantage.is_nan() || horizon <= 1.0 {
@@ -198,8 +210,14 @@ pub fn of_smile(smile: &Smile) -> Vec<Bound> {
         return Vec::new();
     }
     let mut bounds: Vec<Bound> = (1..=mixing.horizon().min(3)).map(|k| lemma_4_1(mixing, n, k)).collect();
-    bounds.extend([lemma_4_2(mixing, n), lemma_4_2_sharp(mixing, n), theorem_4_1(smile, n)]);
-    bounds.extend([theorem_4_1_printed(smile, n), coupling(smile, n), difference(smile, n), inverse_square(smile, n)]);
+    bounds.extend([lemma_4_2(mixing, n), lemma_4_2_half(mixing, n), lemma_4_2_sharp(mixing, n)]);
+    bounds.extend([
+        theorem_4_1(smile, n),
+        theorem_4_1_printed(smile, n),
+        coupling(smile, n),
+        difference(smile, n),
+        inverse_square(smile, n),
+    ]);
     bounds.iter_mut().for_each(|bound| bound.name.insert_str(0, "SMILe: "));
     bounds
 }

@@ -1,7 +1,11 @@
 //! Closed forms in the horizon T, the mixing rate a (alpha or beta) and the round n.
 //!
 //! p_n = (1-a)^n is the expert's share after n rounds, w_j = a p_{j-1} the weight of SMILe's j-th classifier,
-//! beta_n = (1-p_{n-1})/(1-p_n) the share that the older classifiers keep among all classifiers. Rates are in (0, 1].
+//! beta_n = (1-p_{n-1})/(1-p_n) the share that the older classifiers keep among all classifiers. Rates are from
+//! [`SLOWEST`] to 1.
+
+/// The smallest rate that is accepted: a hundred times slower, and 1 - a is 1.
+pub const SLOWEST: f64 = 1e-15;
 
 /// p_n = (1-a)^n.
 pub fn kept(rate: f64, n: usize) -> f64 {
@@ -37,7 +41,7 @@ pub fn rounds(rate: f64, horizon: usize) -> f64 {
     let exact = 2.0 * (horizon as f64).ln() / -(-rate).ln_1p();
     // A quotient that is a whole number but for rounding is that number.
     let nearest = exact.round();
-    if (exact - nearest).abs() <= 1e-12 * nearest { nearest } else { exact.ceil() }
+    if (exact - nearest).abs() <= 1e-12 * nearest { nearest.max(1.0) } else { exact.ceil() }
 }
 
 /// Theorem 4.1's alpha: sqrt(3)/(T^2 sqrt(ln T)); infinite for T = 1.
@@ -76,15 +80,16 @@ pub fn choose(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |product, i| (product * (n - i) as f64 / (i + 1) as f64).round())
 }
 
-/// The probabilities of 0, ..., n successes in n trials that each succeed with probability p = 1 - q; both are given, for one of them may be
-/// too near to 1 to tell.
+/// The probabilities of 0, ..., n successes in n trials that each succeed with probability p = 1 - q; both are given,
+/// for one of them may be too near to 1 to tell.
 pub fn binomial(n: usize, p: f64, q: f64) -> Vec<f64> {
     let power = |count: usize, base: f64| if count == 0 { 0.0 } else { count as f64 * base.ln() };
     let logs = log_choose(n);
     logs.iter().enumerate().map(|(k, log)| (log + power(k, p) + power(n - k, q)).exp()).collect()
 }
 
-/// a^k C(T,k), the union bound on k or more successes in T trials of probability a; by logarithms, for both factors can be extreme.
+/// a^k C(T,k), the union bound on k or more successes in T trials of probability a; by logarithms, for both factors can
+/// be extreme.
 pub fn tail(horizon: usize, rate: f64, k: usize) -> f64 {
     if k > horizon {
         return 0.0;
@@ -101,18 +106,21 @@ pub fn fresh42(horizon: usize, rate: f64) -> f64 {
     gone(rate, horizon)
 }
 
-/// The expected share of new trajectories at round n of Algorithm 4.3 and of its exact repairs: 1-(1-a p_{n-1})^T, below a p_{n-1} T.
+/// The expected share of new trajectories at round n of Algorithm 4.3 and of its exact repairs: 1-(1-a p_{n-1})^T,
+/// below a p_{n-1} T.
 pub fn fresh43(horizon: usize, rate: f64, n: usize) -> f64 {
     gone(rate * kept(rate, n.saturating_sub(1)), horizon)
 }
 
-/// How far Algorithm 4.2's new trajectories are from their law: the total variation between the number of uses of the new policy given at
-/// least one (the zero-truncated binomial) and 1 + Bin(T-1, a), which is the size-biased binomial. 0 iff T = 1 or a is 1.
+/// How far Algorithm 4.2's new trajectories are from their law: the total variation between the number of uses of the
+/// new policy given at least one (the zero-truncated binomial) and 1 + Bin(T-1, a), which is the size-biased binomial.
+/// 0 iff T = 1 or a is 1.
 pub fn bias42(horizon: usize, rate: f64) -> f64 {
     distance(horizon, rate, 1.0 - rate, gone(rate, horizon))
 }
 
-/// How far Algorithm 4.3's new trajectories with k classifier steps are from their law at round n >= 1: the same with Bin(k, 1-beta_n).
+/// How far Algorithm 4.3's new trajectories with k classifier steps are from their law at round n >= 1: the same with
+/// Bin(k, 1-beta_n).
 pub fn bias43(k: usize, rate: f64, n: usize) -> f64 {
     let (new, old) = (newest(rate, n), older(rate, n));
     if k <= 1 || n <= 1 || new == 0.0 { 0.0 } else { distance(k, new, old, gone(new, k)) }
@@ -121,18 +129,20 @@ pub fn bias43(k: usize, rate: f64, n: usize) -> f64 {
 /// TV(Bin(n,p) given not 0, Bin(n,p) size-biased): the sum over x of Bin(x) (x/(np) - 1/P(not 0))^+.
 fn distance(n: usize, p: f64, q: f64, some: f64) -> f64 {
     let mean = n as f64 * p;
-    let excess = |(x, mass): (usize, f64)| mass * (x as f64 / mean - 1.0 / some).max(0.0);
+    // Multiplied out: at x = 1 nothing is left, from x = 2 on nothing cancels for small p.
+    let excess = |(x, mass): (usize, f64)| mass * (x as f64 * some - mean).max(0.0) / (mean * some);
     binomial(n, p, q).into_iter().enumerate().skip(1).map(excess).sum()
 }
 
-/// How much more Algorithm 4.2 uses the newest policy than it should: P(X>=1)(1+(T-1)a)/(Ta). At most about 1.298, for aT near 1.79.
+/// How much more Algorithm 4.2 uses the newest policy than it should: P(X>=1)(1+(T-1)a)/(Ta). At most about 1.298, for
+/// aT near 1.79.
 pub fn overuse42(horizon: usize, rate: f64) -> f64 {
     let horizon_f = horizon as f64;
     gone(rate, horizon) * (1.0 + (horizon_f - 1.0) * rate) / (horizon_f * rate)
 }
 
-/// The total variation between the label sequences of Algorithm 4.2's data set after n rounds and their law, all classifiers
-/// distinguishable: bias42 times 1-(1-a)^{Tn}.
+/// The total variation between the label sequences of Algorithm 4.2's data set after n rounds and their law, all
+/// classifiers distinguishable: bias42 times 1-(1-a)^{Tn}.
 pub fn drift42(horizon: usize, rate: f64, n: usize) -> f64 {
     bias42(horizon, rate) * gone(rate, horizon.saturating_mul(n))
 }

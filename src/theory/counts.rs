@@ -1,11 +1,11 @@
 //! Expected expert queries by method and convention, for m state samples a round (M = m/T trajectories).
 //!
-//! A query is a state whose expert action is asked for, executed or not. The paper's own conventions differ from those of this crate's
-//! trainers, which [`ledgers`](super::ledgers) predicts. SEARN counted *eagerly* bills every step at which a mixture with an expert
-//! in it acts, *lazily* only those at which it draws the expert.
+//! A query is a state whose expert action is asked for, executed or not. The paper's own conventions differ from those
+//! of this crate's trainers, which [`ledgers`](super::ledgers) predicts. SEARN counted *eagerly* bills every step at
+//! which a mixture with an expert in it acts, *lazily* only those at which it draws the expert.
 //!
-//! The `smile42` rows are Algorithm 4.2, the `smile43` rows Algorithm 4.3 and its exact repair, the `flip` rows the repair by ageing labels (the
-//! same mean, a smaller variance: the reruns of one trajectory slot exclude each other).
+//! The `smile42` rows are Algorithm 4.2, the `smile43` rows Algorithm 4.3 and its exact repair, the `flip` rows the
+//! repair by ageing labels (the same mean, a smaller variance: the reruns of one trajectory slot exclude each other).
 
 use super::closed::{fresh42, fresh43, gone, kept, shares};
 use serde::Serialize;
@@ -22,9 +22,9 @@ pub struct Plan {
     pub actions: usize,
     /// N.
     pub rounds: usize,
-    /// SMILe's alpha, in (0, 1].
+    /// SMILe's alpha, from 1e-15 to 1.
     pub alpha: f64,
-    /// SEARN's beta, in (0, 1].
+    /// SEARN's beta, from 1e-15 to 1.
     pub beta: f64,
     /// m, state samples a round.
     pub samples: u64,

@@ -6,19 +6,22 @@ use super::table::{Table, scheduled};
 use crate::error::Result;
 use ndarray::{Array1, Axis};
 
-/// What forward training does with pi_1, ..., pi_T: policy pi^i acts by them at the first i steps and by the expert afterwards.
+/// What forward training does with pi_1, ..., pi_T: policy pi^i acts by them at the first i steps and by the expert
+/// afterwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forward {
     /// `costs[i]`: J(pi^i), i = 0 (the expert), ..., T.
     pub costs: Vec<f64>,
-    /// `disadvantages[i-1]`: A(pi^{i-1}, pi_i^i) = J^{pi^{i-1}}(pi_i, i) - J(pi^{i-1}); by Theorem 3.1 they add up to J(pi^T) - J(pi*).
+    /// `disadvantages[i-1]`: A(pi^{i-1}, pi_i^i) = J^{pi^{i-1}}(pi_i, i) - J(pi^{i-1}); by Theorem 3.1 they add up to
+    /// J(pi^T) - J(pi*).
     pub disadvantages: Vec<f64>,
     /// `errors[i-1]`: eps_i, the 0-1 loss of pi_i under d^i of pi^{i-1}.
     pub errors: Vec<f64>,
     /// `stakes[i-1]`: u_i with the supremum over actions: the most that one wrong action at step i adds to the expert's
     /// cost-to-go, over the states that have probability there; 0 counts too.
     pub stakes: Vec<f64>,
-    /// `printed_stakes[i-1]`: u_i with the supremum over the single policy pi_i, as the paper reads for the class Pi = {pi_i}.
+    /// `printed_stakes[i-1]`: u_i with the supremum over the single policy pi_i, as the paper reads for the class Pi =
+    /// {pi_i}.
     pub printed_stakes: Vec<f64>,
     /// `visits[i-1]`: d^i of pi^{i-1} over states, which is also d^i of pi^T.
     pub visits: Vec<Array1<f64>>,

@@ -11,12 +11,13 @@
 //! | pis | \[t\]\[s\]\[a\] | optional: one policy a step |
 //! | hats | \[n\]\[s\]\[a\] | optional: the classifiers of rounds 1, ..., N |
 //! | N | | optional: rounds; the number of hats if they are given |
-//! | alpha | | optional: the mixing rate of SMILe and SEARN, in (0, 1\] |
+//! | alpha | | optional: the mixing rate of SMILe and SEARN, from 1e-15 to 1 |
 //! | phi | \[s\] | optional: what a classifier of the restricted class sees; it acts alike in states with equal phi |
 //! | m, k_roll | | optional: state samples a round, roll-outs an action; also read from within an object `counts` |
 //!
 //! Other keys are ignored.
 
+use super::closed::SLOWEST;
 use super::mdp::{Mdp, Parts, same};
 use super::table::Table;
 use crate::error::{Error, Place, Result};
@@ -48,7 +49,7 @@ pub struct Instance {
     pub hats: Option<Vec<Table>>,
     /// N.
     pub rounds: Option<usize>,
-    /// The mixing rate of SMILe (alpha) and of SEARN (beta), in (0, 1\].
+    /// The mixing rate of SMILe (alpha) and of SEARN (beta), from 1e-15 to 1.
     pub rate: Option<f64>,
     /// `view[s]`, what a classifier of the restricted class sees of state s.
     pub view: Option<Vec<usize>>,
@@ -91,8 +92,8 @@ impl Instance {
     /// Reads an instance from the file at `path`, or from standard input if it is `-`.
     ///
     /// # Errors
-    /// A file that cannot be read or is larger than [`LARGEST`]; text that is not JSON of the right types, with line and column; a value
-    /// that cannot be, with its JSON path.
+    /// A file that cannot be read or is larger than [`LARGEST`]; text that is not JSON of the right types, with line
+    /// and column; a value that cannot be, with its JSON path.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         if path == Path::new("-") {
@@ -161,9 +162,8 @@ impl Instance {
             same("hats", "classifiers", hats.len(), rounds.unwrap_or(0))?;
         }
         range("N", rounds, 1, MOST_ROUNDS)?;
-        // A comparison that is false for what is not a number.
-        if let Some(alpha) = raw.alpha.filter(|alpha| !(*alpha > 0.0 && *alpha <= 1.0)) {
-            return Err(Error::instance("alpha", alpha.to_string(), "a rate above 0 and at most 1"));
+        if let Some(alpha) = raw.alpha.filter(|alpha| !(SLOWEST..=1.0).contains(alpha)) {
+            return Err(Error::instance("alpha", alpha.to_string(), format!("a rate from {SLOWEST:e} to 1")));
         }
         if let Some(phi) = &raw.phi {
             same("phi", "numbers", phi.len(), states)?;

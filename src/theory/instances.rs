@@ -1,4 +1,5 @@
-//! Problems with closed forms at which bounds are tight, or printed procedures wrong. In all of them action 0 is the expert's.
+//! Problems with closed forms at which bounds are tight, or printed procedures wrong. In all of them action 0 is the
+//! expert's.
 
 use super::mdp::{Mdp, Parts};
 use super::table::Table;
@@ -20,10 +21,11 @@ fn probability(name: &'static str, value: f64) -> Result<f64> {
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(Error::argument(name, value, "from 0 to 1")) }
 }
 
-/// Theorem 2.1 is tight here: a problem and a classifier of 0-1 loss `eps` under the expert's states that costs (1 - eps T) J* + T^2 eps.
+/// Theorem 2.1 is tight here: a problem and a classifier of 0-1 loss `eps` under the expert's states that costs (1 -
+/// eps T) J* + T^2 eps.
 ///
-/// State 0 starts, 1 is good, 2 is bad, both for ever. The classifier errs in state 0 only, with probability eps T. The expert pays `cost`
-/// a step, J* = cost T; the error and the bad state cost 1.
+/// State 0 starts, 1 is good, 2 is bad, both for ever. The classifier errs in state 0 only, with probability eps T. The
+/// expert pays `cost` a step, J* = cost T; the error and the bad state cost 1.
 ///
 /// # Errors
 /// eps T or the cost outside \[0, 1\]: eps <= 1/T, which the paper does not say.
@@ -45,8 +47,8 @@ pub fn cliff(horizon: usize, error: f64, cost: f64) -> Result<(Mdp, Table)> {
     Ok((mdp, Table::new("hat", array![[1.0 - error, error], [1.0, 0.0]])?))
 }
 
-/// Lemma 4.2's sharp form is attained here: one step of the expert saves the rest of the episode. The classifier costs T, its mixture with an
-/// expert's share of p costs sum_{t<=T} (1-p)^t.
+/// Lemma 4.2's sharp form is attained here: one step of the expert saves the rest of the episode. The classifier costs
+/// T, its mixture with an expert's share of p costs sum_{t<=T} (1-p)^t.
 ///
 /// # Errors
 /// No or too many steps.
@@ -55,11 +57,12 @@ pub fn rescue(horizon: usize) -> Result<(Mdp, Table)> {
     Ok((mdp, Table::deterministic(&[1, 0], 2)?))
 }
 
-/// Sample reuse as printed is wrong here: state 0 is left for state 1 by one action, for ever. Gives the classifier that stays, as the expert
-/// does, and the one that moves.
+/// Sample reuse as printed is wrong here: state 0 is left for state 1 by one action, for ever. Gives the classifier
+/// that stays, as the expert does, and the one that moves.
 ///
-/// With T = 2 the state after one round that mixes in the moving classifier is 1 with probability a; a data set of Algorithm 4.2 has
-/// a + a^2(1-a)/2. After a staying and a moving round it is a(1-a); Lemma 4.3 adds a^2(1-a)^2/(2(2-a)).
+/// With T = 2 the state after one round that mixes in the moving classifier is 1 with probability a; a data set of
+/// Algorithm 4.2 has a + a^2(1-a)/2. After a staying and a moving round it is a(1-a); Lemma 4.3 adds
+/// a^2(1-a)^2/(2(2-a)).
 ///
 /// # Errors
 /// No or too many steps.

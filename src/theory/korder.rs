@@ -1,13 +1,14 @@
 //! The k-th order quantities of Section 4: what happens when pi' acts at k of the T steps and pi at the others.
 //!
-//! Jbar_k^pi(pi') averages the cost over all C(T,k) choices of the k steps, A_k(pi, pi') = Jbar_k - J(pi) is the k-th order policy
-//! disadvantage, D_k^pi(pi') the state frequencies. Enumeration is not needed: step t belongs to a uniform j-subset of the first t steps
-//! with probability j/t, so with F_t[j] the state distribution after t steps of which a uniform j-subset was pi's substitute,
+//! Jbar_k^pi(pi') averages the cost over all C(T,k) choices of the k steps, A_k(pi, pi') = Jbar_k - J(pi) is the k-th
+//! order policy disadvantage, D_k^pi(pi') the state frequencies. Enumeration is not needed: step t belongs to a uniform
+//! j-subset of the first t steps with probability j/t, so with `F_t[j]` the state distribution after t steps of which a
+//! uniform j-subset was pi's substitute,
 //!
-//! F_t[j] = (j/t) F_{t-1}[j-1] P_{pi'} + (1-j/t) F_{t-1}[j] P_pi,
+//! `F_t[j] = (j/t) F_{t-1}[j-1] P_{pi'} + (1-j/t) F_{t-1}[j] P_pi`,
 //!
-//! one product of a (t+1) x S matrix with each chain per step. How many of the k steps fall among the first t is hypergeometric.
-//! Everything for all k at once costs O(T^2 (S^2 + T S)).
+//! one product of a (t+1) x S matrix with each chain per step. How many of the k steps fall among the first t is
+//! hypergeometric. Everything for all k at once costs O(T^2 (S^2 + T S)).
 
 use super::mdp::Mdp;
 use super::table::Table;
@@ -56,7 +57,8 @@ pub fn orders(mdp: &Mdp, base: &Table, substitute: &Table) -> Result<Orders> {
     Ok(Orders { costs: costs.to_vec(), disadvantages, frequencies })
 }
 
-/// `[k,t,s]`: the law of the state at every step, when `substitute` acts at k uniformly chosen steps and `base` at the others.
+/// `[k,t,s]`: the law of the state at every step, when `substitute` acts at k uniformly chosen steps and `base` at the
+/// others.
 ///
 /// # Errors
 /// A table of the wrong shape.
@@ -152,7 +154,8 @@ impl Split {
         first(&self.weights, Axis(1), self.t + 1)
     }
 
-    /// From t to t+1 <= T: with j of k behind, the next of the T-t steps left is one of the k-j with probability (k-j)/(T-t).
+    /// From t to t+1 <= T: with j of k behind, the next of the T-t steps left is one of the k-j with probability
+    /// (k-j)/(T-t).
     pub(super) fn advance(&mut self) {
         let horizon = self.weights.nrows() - 1;
         let left = horizon.saturating_sub(self.t).max(1) as f64;

@@ -4,13 +4,14 @@ use super::table::Table;
 use crate::error::{Error, Result};
 use ndarray::{Array1, Array2, Array3, ArrayView1, Axis};
 
-/// The longest horizon that is accepted. Exact laws hold T tables at once; this keeps a mistyped T from exhausting memory.
+/// The longest horizon that is accepted. Exact laws hold T tables at once; this keeps a mistyped T from exhausting
+/// memory.
 pub const LONGEST: usize = 2_000;
 
 /// A finite-horizon Markov decision process with a deterministic expert, checked when it is made.
 ///
-/// S states, A actions, T steps. An episode starts in state s with probability `start[s]`; action a in state s costs `cost[s,a]`
-/// in \[0, 1\] and leads to s' with probability `next[s,a,s']`.
+/// S states, A actions, T steps. An episode starts in state s with probability `start[s]`; action a in state s costs
+/// `cost[s,a]` in \[0, 1\] and leads to s' with probability `next[s,a,s']`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mdp {
     horizon: usize,
@@ -39,9 +40,9 @@ impl Mdp {
     /// Checks the parts and puts them together.
     ///
     /// # Errors
-    /// [`Error::Instance`] names the first value that is wrong by its JSON path, such as `P[2][0]`: a shape that does not fit, a
-    /// probability that is negative or not finite, a distribution whose sum differs from 1 by more than 1e-9, a cost outside \[0, 1\],
-    /// an expert's action that does not exist, no or too many steps.
+    /// [`Error::Instance`] names the first value that is wrong by its JSON path, such as `P[2][0]`: a shape that does
+    /// not fit, a probability that is negative or not finite, a distribution whose sum differs from 1 by more than
+    /// 1e-9, a cost outside \[0, 1\], an expert's action that does not exist, no or too many steps.
     pub fn new(parts: Parts) -> Result<Self> {
         let Parts { horizon, start, next, cost, expert } = parts;
         let (states, actions) = cost.dim();

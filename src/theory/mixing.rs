@@ -1,9 +1,10 @@
 //! Stochastic mixing (Section 4): pi^n = (1-a) pi^{n-1} + a hat^n from pi^0 = pi*, exactly, with given classifiers.
 //!
-//! SEARN's hat^n is its n-th classifier, SMILe's mimics pi^{n-1}: hat^n = p_{n-1} hat*^n + (1-p_{n-1}) pitilde^{n-1}. In SMILe pi^n is then
-//! p_n pi* + sum_j a p_{j-1} hat*^j: weights stay as they are, where SEARN's old classifiers fade.
+//! SEARN's hat^n is its n-th classifier, SMILe's mimics pi^{n-1}: hat^n = p_{n-1} hat*^n + (1-p_{n-1}) pitilde^{n-1}.
+//! In SMILe pi^n is then p_n pi* + sum_j a p_{j-1} hat*^j: weights stay as they are, where SEARN's old classifiers
+//! fade.
 
-use super::closed::{choose, gone, kept, rounds, shares, tail};
+use super::closed::{SLOWEST, choose, gone, kept, rounds, shares, tail};
 use super::evaluate::{Evaluation, evaluate};
 use super::korder::{Orders, orders};
 use super::mdp::Mdp;
@@ -34,10 +35,10 @@ impl Mixer {
     /// Round 0: the expert.
     ///
     /// # Errors
-    /// A rate outside (0, 1].
+    /// A rate outside \[1e-15, 1\].
     pub fn new(mdp: &Mdp, proposal: Proposal, rate: f64) -> Result<Self> {
-        if !(rate > 0.0 && rate <= 1.0) {
-            return Err(Error::argument("rate", rate, "above 0 and at most 1"));
+        if !(SLOWEST..=1.0).contains(&rate) {
+            return Err(Error::argument("rate", rate, format!("from {SLOWEST:e} to 1")));
         }
         Ok(Mixer { proposal, rate, n: 0, star: mdp.star(), policy: mdp.star(), unsupervised: None })
     }
@@ -100,7 +101,7 @@ impl Mixing {
     /// Mixes in `hats[n-1]` at round n.
     ///
     /// # Errors
-    /// A rate outside (0, 1], or a table of the wrong shape.
+    /// A rate outside \[1e-15, 1\], or a table of the wrong shape.
     pub fn of(mdp: &Mdp, proposal: Proposal, hats: &[Table], rate: f64) -> Result<Self> {
         let mut mixer = Mixer::new(mdp, proposal, rate)?;
         let mut mixing = Mixing {
@@ -190,8 +191,8 @@ impl Mixing {
         (1..=horizon).map(bound).collect()
     }
 
-    /// What Lemma 4.2 allows for dropping the expert from pi^n: as printed p_n T^2, with the expert's first step costing the steps left
-    /// p_n T(T+1)/2, and exactly T - sum_{t<=T} (1-p_n)^t, which is attained.
+    /// What Lemma 4.2 allows for dropping the expert from pi^n: as printed p_n T^2, with the expert's first step
+    /// costing the steps left p_n T(T+1)/2, and exactly T - sum_{t<=T} (1-p_n)^t, which is attained.
     pub fn lemma_4_2(&self, n: usize) -> [f64; 3] {
         let (p, horizon) = (kept(self.rate, n), self.horizon as f64);
         let sharp = (1..=self.horizon).map(|t| gone(p, t)).sum();
@@ -265,7 +266,7 @@ impl Smile {
     /// SMILe with the classifiers `hats[j-1]` = hat*^j.
     ///
     /// # Errors
-    /// A rate outside (0, 1], or a table of the wrong shape.
+    /// A rate outside \[1e-15, 1\], or a table of the wrong shape.
     pub fn of(mdp: &Mdp, hats: &[Table], rate: f64) -> Result<Self> {
         let mixing = Mixing::of(mdp, Proposal::Smile, hats, rate)?;
         let mut smile = Smile { mixing, errors: Vec::new(), weighted_errors: Vec::new(), given_expert: Vec::new() };

@@ -1,9 +1,10 @@
 //! Training with infinitely many samples: the best classifiers of a restricted class, exactly.
 //!
-//! A classifier of the class sees `view[s]` of state s and acts alike, deterministically, wherever that is equal. Supervised training, forward
-//! training and SMILe minimise the expected 0-1 loss under their distribution, SEARN minimises Jbar_1^{pi^{n-1}}(.), the cost of one
-//! deviation at a uniform step. Ties go to the lowest action. The margin of a choice is the smallest gap, over the values of the view,
-//! between the best and the second-best action; choices of a margin near 0 hang on rounding.
+//! A classifier of the class sees `view[s]` of state s and acts alike, deterministically, wherever that is equal.
+//! Supervised training, forward training and SMILe minimise the expected 0-1 loss under their distribution, SEARN
+//! minimises Jbar_1^{pi^{n-1}}(.), the cost of one deviation at a uniform step. Ties go to the lowest action. The
+//! margin of a choice is the smallest gap, over the values of the view, between the best and the second-best action;
+//! choices of a margin near 0 hang on rounding.
 
 use super::evaluate::evaluate;
 use super::mdp::{Mdp, same};
@@ -91,15 +92,16 @@ impl<'a> Class<'a> {
     /// SMILe: hat*^1, ..., hat*^N, each the least 0-1 loss under d of pi^{n-1}.
     ///
     /// # Errors
-    /// A rate outside (0, 1].
+    /// A rate outside \[1e-15, 1\].
     pub fn smile(&self, rate: f64, rounds: usize) -> Result<Vec<Choice>> {
         self.rounds(rate, rounds, |policy| Ok(self.mimic(evaluate(self.mdp, policy)?.mean().view())), Proposal::Smile)
     }
 
-    /// SEARN: h_1, ..., h_N, each the least Jbar_1^{pi^{n-1}}. Its margins are those of T Jbar_1, the sum over the steps.
+    /// SEARN: h_1, ..., h_N, each the least Jbar_1^{pi^{n-1}}. Its margins are those of T Jbar_1, the sum over the
+    /// steps.
     ///
     /// # Errors
-    /// A rate outside (0, 1].
+    /// A rate outside \[1e-15, 1\].
     pub fn searn(&self, rate: f64, rounds: usize) -> Result<Vec<Choice>> {
         let deviate = |policy: &Table| {
             let evaluation = evaluate(self.mdp, policy)?;

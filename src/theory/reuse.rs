@@ -1,14 +1,15 @@
 //! The exact laws of SMILe's data sets when samples are reused: Algorithms 4.2 and 4.3 as printed, and repaired.
 //!
-//! Both algorithms keep an old trajectory when its policy would have been the same, and otherwise run a new one. The printed new one is
-//! not right: given that the new classifier acts at all, it puts it at *one* uniform step and lets the rest be drawn
-//! freely, which makes the number of its uses size-biased instead of conditioned on not being 0. It overuses the newest classifier.
+//! Both algorithms keep an old trajectory when its policy would have been the same, and otherwise run a new one. The
+//! printed new one is not right: given that the new classifier acts at all, it puts it at *one* uniform step and lets
+//! the rest be drawn freely, which makes the number of its uses size-biased instead of conditioned on not being 0. It
+//! overuses the newest classifier.
 //!
-//! Repairs: for 4.2 the step of the *first* use is tau with probability a(1-a)^{tau-1}/(1-(1-a)^T), with the old policy before and the
-//! mixture after; for 4.3 the same over the k steps at which classifiers act, with 1-beta_n for a.
+//! Repairs: for 4.2 the step of the *first* use is tau with probability a(1-a)^{tau-1}/(1-(1-a)^T), with the old policy
+//! before and the mixture after; for 4.3 the same over the k steps at which classifiers act, with 1-beta_n for a.
 //!
-//! All laws are `[t,s]`, the state distribution of every step. Everything here is polynomial: recursions over the steps of the kind of
-//! [`korder`](super::korder), with a flag for "the newest classifier has acted".
+//! All laws are `[t,s]`, the state distribution of every step. Everything here is polynomial: recursions over the steps
+//! of the kind of [`korder`](super::korder), with a flag for "the newest classifier has acted".
 
 use super::closed::{binomial, fresh42, fresh43, gone, kept, newest, older};
 use super::korder::{Prefixes, Split, blend, laws};
@@ -159,7 +160,8 @@ fn once(mdp: &Mdp, base: &Table, substitute: &Table) -> Array2<f64> {
     law
 }
 
-/// `[t,s]`: `old` before the first use of `hat`, `now` after it, the use at tau with probability proportional to (1-a)^{tau-1}.
+/// `[t,s]`: `old` before the first use of `hat`, `now` after it, the use at tau with probability proportional to
+/// (1-a)^{tau-1}.
 fn from_first_use(mdp: &Mdp, [old, hat, now]: [&Table; 3], rate: f64) -> Array2<f64> {
     let [old, hat, now] = [old, hat, now].map(|table| mdp.chain(table));
     let horizon = mdp.horizon();
@@ -187,8 +189,8 @@ struct Cast<'a> {
 impl Cast<'_> {
     /// `[k-1,t,s]`: at k uniform steps classifiers act, at one of them the newest, at the others all of them, drawn.
     ///
-    /// H_t[j], like F_t[j] of `korder` with the one step among the first t: H_t[j] = (1/t) F_{t-1}[j-1] P_hat + ((j-1)/t) H_{t-1}[j-1] P_new
-    /// + (1-j/t) H_{t-1}[j] P_star.
+    /// `H_t[j]` is like `F_t[j]` of `korder` with the one step among the first t:
+    /// `H_t[j] = (1/t) F_{t-1}[j-1] P_hat + ((j-1)/t) H_{t-1}[j-1] P_new + (1-j/t) H_{t-1}[j] P_star`.
     fn printed(&self, mdp: &Mdp) -> Array3<f64> {
         let horizon = mdp.horizon();
         let [star, hat, new] = [self.star, self.hat, self.new].map(|table| mdp.chain(table));
@@ -218,10 +220,11 @@ impl Cast<'_> {
         laws
     }
 
-    /// `[k-1,t,s]`: at k uniform steps classifiers act, each the newest with probability 1-beta, given that it is at least once.
+    /// `[k-1,t,s]`: at k uniform steps classifiers act, each the newest with probability 1-beta, given that it is at
+    /// least once.
     ///
-    /// With Z_t[j] the law when all j are older ones and G_t[j] the sub-distribution, divided by 1-beta, when some are not:
-    /// G_t[j] = (j/t)(G_{t-1}[j-1] P_new + beta^{j-1} Z_{t-1}[j-1] P_hat) + (1-j/t) G_{t-1}[j] P_star.
+    /// With `Z_t[j]` the law when all j are older ones and `G_t[j]` the sub-distribution, divided by 1-beta, when some
+    /// are not: `G_t[j] = (j/t)(G_{t-1}[j-1] P_new + beta^{j-1} Z_{t-1}[j-1] P_hat) + (1-j/t) G_{t-1}[j] P_star`.
     fn exact(&self, mdp: &Mdp, beta: f64) -> Array3<f64> {
         let horizon = mdp.horizon();
         let [star, hat, new] = [self.star, self.hat, self.new].map(|table| mdp.chain(table));
@@ -242,9 +245,8 @@ impl Cast<'_> {
                 *weight *= powers[j] * some[k.saturating_sub(j)];
             }
             let law = split.weights().dot(&behind) + ahead.dot(&open);
-            for k in 1..=horizon {
-                let row = &law.row(k) / some[k];
-                laws.index_axis_mut(Axis(0), k - 1).row_mut(t).assign(&row);
+            for ((mut run, row), some) in laws.outer_iter_mut().zip(law.outer_iter().skip(1)).zip(&some[1..]) {
+                run.row_mut(t).assign(&(&row / *some));
             }
             let (stay, mut swap) = (behind.dot(&star), behind.dot(&new));
             let use_now = open.dot(&hat);

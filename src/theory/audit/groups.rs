@@ -130,7 +130,7 @@ pub struct SearnGroup {
     pub rhs_cpi: Vec<f64>,
 }
 
-/// The laws of [`Reuse`].
+/// The laws of [`Reuse`](crate::theory::reuse::Reuse).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ReuseGroup {
     /// beta_n.

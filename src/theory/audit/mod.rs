@@ -1,7 +1,7 @@
 //! Everything that can be said exactly about an [`Instance`], as one object that serialises to JSON.
 //!
-//! Lists that start with the expert have it at index 0; where there is nothing to say at index 0 (a policy that never asks
-//! the expert, before the first round) stands `null`. Array order: `[n][t][s]`, rounds before steps before states.
+//! Lists that start with the expert have it at index 0; where there is nothing to say at index 0 (a policy that never
+//! asks the expert, before the first round) stands `null`. Array order: `[n][t][s]`, rounds before steps before states.
 
 mod groups;
 
