@@ -7,6 +7,7 @@ use rollin::tasks::tagging::{About, Encoding, LabelColumn, Tagger};
 use rollin::trainer::{Dagger, Run};
 use rollin::{Result, Seed};
 
+/// Runs the example.
 pub fn main() -> Result<()> {
     let train = conll::parse(defaults::TRAIN.as_bytes(), "train".as_ref(), 1)?;
     let (encoding, space) = Encoding::learn(&train, LabelColumn::Last, Template::default_for(1), None)?;

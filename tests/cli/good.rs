@@ -227,7 +227,7 @@ fn algorithms_are_compared() {
     let settings = folder.json(&format!("{line} supervised,smile --alpha 0.5 --rounds 2 --json"));
     assert_eq!(
         settings["rows"][1]["trainer"],
-        serde_json::json!({"smile": {"alpha": 0.5, "rounds": 2, "warm": false}})
+        serde_json::json!({"smile": {"alpha": 0.5, "rounds": 2, "warm": false, "reuse": "none"}})
     );
     // Without a test file the last fifth is measured on.
     let split = folder.json("compare --data t.txt --algorithms supervised --json");
