@@ -167,7 +167,7 @@ impl Bench<'_> {
             .map(|reading| {
                 let policy = trained.policy.clone().read_as(reading.unwrap_or_default());
                 let tagger = Tagger { encoding: self.encoding.clone(), policy, about: About::default() };
-                self.measure(reading, &tagger.tag_encoded(self.test.clone(), Seed::new(global.seed)))
+                self.measure(reading, &tagger.tag_encoded(self.test.clone(), 0, Seed::new(global.seed)))
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Row {

@@ -300,6 +300,14 @@ pub struct LearnerOptions {
 }
 
 impl LearnerOptions {
+    /// Refuses `--passes`, and says why.
+    pub fn refuse_passes(&self, why: &str) -> Result<()> {
+        match self.passes {
+            Some(_) => Err(Error::argument("--passes", "given", format!("left out: {why}"))),
+            None => Ok(()),
+        }
+    }
+
     pub fn learner(&self) -> Result<AnyLearner> {
         if self.passes == Some(0) {
             return Err(Error::argument("--passes", 0, "at least 1"));

@@ -5,7 +5,7 @@ use super::{Global, closed};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::read::conll::{Blocks, Line};
-use crate::seed::{Purpose, Seed};
+use crate::seed::Seed;
 use crate::tasks::tagging::Tagger;
 use clap::Args;
 use std::io::{self, BufWriter, Write};
@@ -36,16 +36,16 @@ impl Tag {
             tagger.policy = tagger.policy.read_as(reading.into());
         }
         let path = Path::new("<stdin>");
-        let mut first = None;
+        let (mut first, mut sentences) = (None, 0);
         let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-        for (number, block) in Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK).enumerate()
-        {
+        for block in Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK) {
             let block = block.map_err(|error| Error::io("read", path, error))?;
             let mut tagged = Vec::new();
             if let Some(corpus) = block.corpus(path)? {
                 check_columns(&tagger.encoding, &corpus)?;
                 even(*first.get_or_insert((corpus.columns.len(), corpus.lines[0])), &corpus)?;
-                let labels = tagger.tag(&corpus, Seed::new(global.seed).child(Purpose::Round, number as u64))?;
+                let labels = tagger.tag_from(&corpus, sentences, Seed::new(global.seed))?;
+                sentences += corpus.sentences();
                 tagged.extend(corpus.lines.into_iter().zip(labels));
             }
             let mut tagged = tagged.into_iter().peekable();

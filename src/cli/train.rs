@@ -3,14 +3,14 @@
 use super::options::{Algorithm, LearnerOptions, Reading, ReadingName, TrainerOptions, order_name};
 use super::progress::Bar;
 use super::{Global, print, print_json};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::output::check_writable;
 use crate::report::{Table, grouped};
 use crate::seed::Seed;
 use crate::tasks::tagging::{About, Encoding, Tagger};
 use crate::trainer::Run;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Train a tagger and write its model file.
 #[derive(Args)]
@@ -41,6 +41,12 @@ impl Train {
         self.trainer.check(&[self.algorithm])?;
         let trainer = self.trainer.trainer(self.algorithm);
         let learner = self.learner.learner()?;
+        if self.algorithm == Algorithm::DaggerOnline {
+            self.learner.refuse_passes("dagger-online makes one pass a round; use --rounds")?;
+        }
+        if same_file(&self.model, &self.data) {
+            return Err(Error::argument("--model", self.model.display(), "another file than --data"));
+        }
         check_writable(&self.model)?;
         let corpus = self.columns.corpus(&self.data)?;
         let template = self.columns.template(&corpus)?;
@@ -93,6 +99,11 @@ impl Train {
             self.model.display(),
         ))
     }
+}
+
+/// Whether both are there and are one file.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Settings as text.

@@ -17,7 +17,7 @@ impl<C> Ladder<C> {
         Ladder { steps: Vec::new(), expert: true }
     }
 
-    /// A ladder of these classifiers, which asks no expert.
+    /// A ladder of these classifiers, which asks no expert; without any it takes the lowest legal action.
     pub fn of(steps: Vec<C>) -> Self {
         Ladder { steps, expert: false }
     }
@@ -50,7 +50,8 @@ impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Ladder<C> {
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
         let step = match self.steps.len() {
             n if visit.t() < n => visit.t(),
-            n if self.expert || n == 0 => return visit.expert(),
+            _ if self.expert => return visit.expert(),
+            0 => return visit.legal().nth(0),
             n => n - 1,
         };
         memory.resize_with(memory.len().max(step + 1), Default::default);

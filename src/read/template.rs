@@ -13,8 +13,8 @@
 //! | `%y[-k]`              | the label `k` tokens before                                                            |
 //!
 //! An upper-case letter (`%X`, `%T`, `%M`, `%S`) folds the result to lower case. `@` makes a row absolute, as in
-//! Wapiti: `%x[@1,0]` is the sentence's first word and `%x[@-1,0]` its last. Rows and labels reach no further than 100
-//! tokens. A cell before the sentence reads as `_B-1` next to the first token, `_B-2` before that, and so on; after the
+//! Wapiti: `%x[@1,0]` is the sentence's first word and `%x[@-1,0]` its last. Rows reach no further than 100
+//! tokens, labels no further than 8. A cell before the sentence reads as `_B-1` next to the first token, `_B-2` before that, and so on; after the
 //! sentence as `_B+1`, `_B+2`, ... .
 //!
 //! A `#` begins a comment at the start of a line, or after a space outside a command. Two lines that differ only in
@@ -62,8 +62,10 @@ use plan::Plan;
 use regex::Transform;
 use std::path::Path;
 
-/// How many tokens away a row or a label may be.
+/// How many tokens away a row may be.
 const REACH: i32 = 100;
+/// How many labels back a history feature may look.
+pub const BACK: i32 = 8;
 
 /// The template for one observed column.
 const WORDS: &str = include_str!("../../grammars/words.template");

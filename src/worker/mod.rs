@@ -134,8 +134,21 @@ impl Gather for Performance {
 
 /// Runs `policy` over the problem's episodes.
 pub fn perform<P: Problem, D: Policy<P>>(problem: &P, policy: &D, seed: Seed) -> (Performance, Ledger) {
+    perform_from(problem, policy, 0, seed)
+}
+
+/// The same for a problem whose episodes are a part of a longer series that starts with its episode number `first`: each draws
+/// what it would draw if the whole series were run at once.
+pub fn perform_from<P: Problem, D: Policy<P>>(
+    problem: &P,
+    policy: &D,
+    first: usize,
+    seed: Seed,
+) -> (Performance, Ledger) {
     sweep(problem, &all(problem), seed, |worker, memory: &mut D::Memory, episode, done: &mut Performance| {
         let actions = &mut done.actions;
+        let seed = seed.child(Purpose::Episode, (first + episode.index) as u64);
+        let episode = Episode { seed, ..episode };
         let cost = worker.episode(episode, |visit| {
             let action = policy.act(visit, memory);
             actions.push(action);

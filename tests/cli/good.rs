@@ -112,6 +112,21 @@ fn long_inputs_are_tagged_as_their_sentences_are() {
     assert!(folder.run_on("tag --model m --threads 1", input) == repeated(&alone));
 }
 
+/// `evaluate` sees the whole corpus at once, `tag` block after block: a sampled mixture draws the same for each sentence.
+#[test]
+fn sampled_mixtures_draw_by_sentence_and_not_by_block() {
+    let folder = Folder::new();
+    let grammar = shipped("grammars/dialects.grammar");
+    folder.put("t.txt", folder.run(&format!("generate --grammar {grammar} --count 40")));
+    folder.run("train --data t.txt --model m --algorithm smile --learner perceptron --reading sampled --rounds 4");
+    folder.put("long.txt", folder.run(&format!("generate --grammar {grammar} --count 2000 --seed 2")));
+    let tagged = folder.run_on("tag --model m", folder.get("long.txt"));
+    assert!(tagged.lines().count() > 2 * 16_384);
+    let columns = tagged.lines().map(|line| line.split(' ').collect::<Vec<_>>()).filter(|line| line.len() == 3);
+    let right = columns.filter(|line| line[1] == line[2]).count();
+    assert_eq!(folder.json("evaluate --model m --data long.txt --json")["right"], right);
+}
+
 #[test]
 fn runs_and_threads_give_the_same_bytes() {
     let folder = Folder::new();

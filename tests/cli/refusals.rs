@@ -48,7 +48,7 @@ fn columns_that_are_not_there() {
     folder.put("t", TAGS);
     folder.says(
         "train --data t --model m --label-column 2",
-        "t:1:5: 2 columns, numbered from 0; expected a label column 2",
+        "t:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels",
     );
     folder.says(
         "train --data t --model m --label-column 0",
@@ -72,12 +72,12 @@ fn columns_that_are_not_there() {
     folder.says_on("tag --model m", "\nthe\nman\n", &format!("<stdin>:2:1: {needs}"));
     folder.says_on("tag --model m", "the D\nman\n", "<stdin>:2:4: 1 column; expected 2 columns as on line 1");
     folder.put("two", "the D\n");
-    folder.says("evaluate --model m --data two", "two:1:5: 2 columns, numbered from 0; expected a label column 2");
+    folder.says("evaluate --model m --data two", "two:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels");
     folder.says(
         "evaluate --model m --data c --label-column 3",
-        "c:1:7: 3 columns, numbered from 0; expected a label column 3",
+        "c:1:7: 3 columns, so their numbers end with 2; expected a column 3 with the labels",
     );
-    folder.says("compare --data c --test two", "two:1:5: 2 columns, numbered from 0; expected a label column 2");
+    folder.says("compare --data c --test two", "two:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels");
     folder.put("one", "the\n");
     folder
         .says("evaluate --model m --data one", "one:1:1: 1 column; expected words and a column of labels beside them");
@@ -150,7 +150,7 @@ fn templates_that_are_none() {
     folder.put("p", b"U:%x[0,0]\nU\xff\n");
     folder.says("train --data t --model m --template p", "p:2:2: a byte that is not UTF-8; expected text in UTF-8");
     folder.put("p", "U:%y[-9]\n");
-    folder.says("train --data t --model m --template p", "%y is -9, but must be at most 8 labels back");
+    folder.says("train --data t --model m --template p", "p:1:6: \"-9]\"; expected a label before, from -1 to -8");
 }
 
 #[test]
@@ -382,4 +382,20 @@ fn nobody_reads_the_output() {
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(message, "error: cannot write <stdout>: Broken pipe (os error 32)\n", "{line}");
     }
+}
+
+#[test]
+fn what_would_be_lost_or_ignored_is_refused() {
+    let folder = Folder::new();
+    folder.put("t", TAGS);
+    folder.says("train --data t --model ./t", "--model is ./t, but must be another file than --data");
+    folder.says(
+        "train --data t --model m --passes 3",
+        "--passes is given, but must be left out: dagger-online makes one pass a round; use --rounds",
+    );
+    folder.put("far.template", "U:%x[0,0]\nU:%y[-9]\n");
+    folder.says(
+        "train --data t --model m --template far.template",
+        "far.template:2:6: \"-9]\"; expected a label before, from -1 to -8",
+    );
 }

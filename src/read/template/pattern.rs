@@ -1,7 +1,7 @@
 //! The syntax of one line of a template.
 
-use super::REACH;
 use super::regex::{Matcher, Transform};
+use super::{BACK, REACH};
 use crate::error::{Error, Place};
 use nom::branch::alt;
 use nom::bytes::complete::{tag, take_while, take_while1};
@@ -147,7 +147,7 @@ fn command<'a>(whole: &'a str, input: &'a str) -> Parsed<'a, Part> {
     let (input, letter) = want("x, t, m, s or y after %", one_of("xXtTmMsSy")).parse(input)?;
     let (input, _) = want("[", char('[')).parse(input)?;
     if letter == 'y' {
-        let (input, k) = want("a label before, from -1 to -100", integer(-REACH, -1)).parse(input)?;
+        let (input, k) = want("a label before, from -1 to -8", integer(-BACK, -1)).parse(input)?;
         let (input, _) = want("]", close).parse(input)?;
         return Ok((input, Part::Label(k.unsigned_abs())));
     }

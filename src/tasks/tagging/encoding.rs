@@ -1,6 +1,6 @@
 //! From the words of a corpus to the numbers of a [`Tagging`] space, and the dictionaries that make the same numbers of another corpus.
 
-use super::space::{HistoryLine, MAX_ORDER, NO_CONTEXT, Tagging};
+use super::space::{HistoryLine, NO_CONTEXT, Tagging};
 use super::transitions::{Order, Transitions};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
@@ -124,8 +124,8 @@ impl LabelColumn {
             return Err(Error::data(corpus.place(0, 0), problem, "words and a column of labels beside them"));
         }
         if at >= columns {
-            let problem = format!("{columns} columns, numbered from 0");
-            return Err(Error::data(corpus.place(0, columns - 1), problem, format!("a label column {at}")));
+            let problem = format!("{columns} columns, so their numbers end with {}", columns - 1);
+            return Err(Error::data(corpus.place(0, columns - 1), problem, format!("a column {at} with the labels")));
         }
         Ok(at)
     }
@@ -137,8 +137,7 @@ impl Encoding {
     /// With no `order` given, labels that look like IOB2 and follow its rule everywhere are held to it.
     ///
     /// # Errors
-    /// When a column is missing that the labels or the template need, there are too many labels, the template looks further back than
-    /// 8 labels, or the labels break the `order` that is asked for.
+    /// When a column is missing that the labels or the template need, there are too many labels, or the labels break the `order` that is asked for.
     pub fn learn(
         corpus: &Corpus,
         labels: LabelColumn,
@@ -151,9 +150,6 @@ impl Encoding {
         names.sort_unstable();
         if names.len() > MOST_LABELS {
             return Err(Error::argument("labels", names.len(), format!("at most {MOST_LABELS}")));
-        }
-        if let Some(far) = template.history().iter().flat_map(|line| &line.labels).find(|k| **k as usize > MAX_ORDER) {
-            return Err(Error::argument("%y", format!("-{far}"), format!("at most {MAX_ORDER} labels back")));
         }
         let numbers: Vec<u32> =
             column.values.iter().map(|name| names.partition_point(|other| other.as_str() < name) as u32).collect();

@@ -144,6 +144,9 @@ impl Tagger {
         let features = dictionary(header.features)?;
         let contexts = header.contexts.iter().map(|count| dictionary(*count)).collect::<Result<Vec<_>>>()?;
         let transitions = Arc::new(Transitions::new(header.order, &labels));
+        if !transitions.go_on() {
+            return Err(broken("its order of labels leaves none to go on with"));
+        }
         let mut encoding = Encoding {
             template,
             label_column: header.label_column,

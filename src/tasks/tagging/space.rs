@@ -6,7 +6,7 @@ use crate::space::{Action, Actions, CostToGo, Episode, Expert, FeatureTable, Fea
 use std::sync::Arc;
 
 /// How many labels back a history feature may look.
-pub const MAX_ORDER: usize = 8;
+pub const MAX_ORDER: usize = crate::read::template::BACK as usize;
 
 /// The feature numbers of one history line of a template: every context with every combination of the labels it looks at.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading, Weights};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Imitation, Problem, Silent, Space};
-use crate::worker::{Ledger, Visit, perform};
+use crate::worker::{Ledger, Visit, perform_from};
 use serde::{Deserialize, Serialize};
 
 /// The policies that training can end with.
@@ -152,14 +152,23 @@ impl Tagger {
     /// # Errors
     /// When `corpus` lacks a column that the template needs.
     pub fn tag(&self, corpus: &Corpus, seed: Seed) -> Result<Vec<u32>> {
-        Ok(self.tag_encoded(self.encoding.apply(corpus)?, seed))
+        self.tag_from(corpus, 0, seed)
     }
 
-    /// The labels of all tokens of sentences that are encoded already.
-    pub fn tag_encoded(&self, space: Tagging, seed: Seed) -> Vec<u32> {
+    /// The same for a part of a longer text: its first sentence has the number `first`, from 0. What is drawn is what would be drawn if
+    /// the whole text were tagged at once.
+    ///
+    /// # Errors
+    /// When `corpus` lacks a column that the template needs.
+    pub fn tag_from(&self, corpus: &Corpus, first: usize, seed: Seed) -> Result<Vec<u32>> {
+        Ok(self.tag_encoded(self.encoding.apply(corpus)?, first, seed))
+    }
+
+    /// The labels of all tokens of sentences that are encoded already, the first of which has the number `first`.
+    pub fn tag_encoded(&self, space: Tagging, first: usize, seed: Seed) -> Vec<u32> {
         let episodes = space.sentences();
         let problem = Imitation { space, expert: Silent, episodes };
-        let (done, _) = perform(&problem, &self.policy, seed.child(Purpose::Evaluation, 0));
+        let (done, _) = perform_from(&problem, &self.policy, first, seed.child(Purpose::Evaluation, 0));
         done.actions.into_iter().map(|action| action.0).collect()
     }
 

@@ -80,6 +80,11 @@ impl Transitions {
         }
     }
 
+    /// Whether some label may follow every other, and one may come first: without that a sentence could not be finished.
+    pub fn go_on(&self) -> bool {
+        (0..=self.begin()).all(|previous| !self.after(previous).is_empty())
+    }
+
     /// Whether two labels differ in nothing but their prefix.
     pub fn kin(&self, a: u32, b: u32) -> bool {
         self.kinds[a as usize] == self.kinds[b as usize]
