@@ -9,11 +9,11 @@ use rand::RngExt;
 use rollin::learner::Tabular as Learner;
 use rollin::policy::Greedy;
 use rollin::roll::Shortcut;
+use rollin::roll::perform;
 use rollin::tasks::tabular::{Tabled, Tabular};
 use rollin::theory::population::Class;
 use rollin::theory::{Mdp, Parts, Table, evaluate, ledgers};
 use rollin::trainer::{Dagger, Forward, Reuse, Run, Searn, Smile, Supervised};
-use rollin::worker::perform;
 use rollin::{Purpose, Seed};
 
 const EPISODES: usize = 40_000;

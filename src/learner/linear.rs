@@ -3,8 +3,7 @@
 use super::{Examples, Learner, Online, Setting, Target};
 use crate::policy::{Columns, Linear, Weights, votes};
 use crate::seed::Seed;
-use crate::space::{Action, Actions, Features};
-use crate::worker::Sight;
+use crate::space::{Action, Actions, Features, Sight};
 use rand::seq::SliceRandom;
 
 /// How weights follow a gradient.

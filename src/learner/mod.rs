@@ -26,8 +26,7 @@ pub use wap::Wap;
 
 use crate::policy::Classifier;
 use crate::seed::Seed;
-use crate::space::{Action, Problem, Space, View};
-use crate::worker::Sight;
+use crate::space::{Action, Problem, Sight, Space, View};
 
 /// What a learner must know of a space.
 pub struct Setting<'a, V: View> {

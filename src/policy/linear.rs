@@ -1,8 +1,7 @@
 //! Linear classifiers over sparse binary features.
 
 use super::Classifier;
-use crate::space::{Action, Actions, Features, NO_ROW};
-use crate::worker::Sight;
+use crate::space::{Action, Actions, Features, NO_ROW, Sight};
 use serde::{Deserialize, Serialize};
 
 /// What the columns of a linear classifier stand for.

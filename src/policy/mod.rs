@@ -10,8 +10,8 @@ pub(crate) use linear::votes;
 pub use linear::{Columns, Linear, LinearMemory, Weights};
 pub use mixture::{Member, Mixture, MixtureMemory, Reading};
 
-use crate::space::{Action, Problem, View, ViewOf};
-use crate::worker::{Sight, Visit};
+use crate::space::{Action, Problem, Sight, View, ViewOf};
+use crate::worker::Visit;
 
 /// Something that acts in a problem's space.
 pub trait Policy<P: Problem>: Sync {

@@ -1,10 +1,10 @@
-//! Roll-in, deviation, roll-out: where training examples come from.
+//! Roll-in, deviation, roll-out: where training examples come from, and what a finished policy does.
 
 use crate::learner::{Examples, Target};
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
-use crate::space::{CostToGo, Gather, Problem, StateOf, ViewOf};
-use crate::worker::{Ledger, Visit, sweep};
+use crate::space::{Action, CostToGo, Episode, Gather, Problem, StateOf, ViewOf};
+use crate::worker::{Ledger, Visit, all, sweep};
 
 /// What a round of roll-ins brought.
 pub struct Round<P: Problem> {
@@ -27,14 +27,20 @@ impl<P: Problem> Gather for Round<P> {
     }
 }
 
+/// Asks the expert what it would do at `visit` and makes an example of the answer; a silent expert makes none.
+pub fn label<P: Problem>(visit: &mut Visit<'_, P>, examples: &mut Examples<ViewOf<P>>) {
+    if let Some(label) = visit.label() {
+        visit.record(|sight| examples.push(sight.view, sight.legal, Target::Label(label)));
+    }
+}
+
 /// Rolls in with `policy` and labels every state it visits with what the expert would do there: D = {(s, pi*(s))}.
 pub fn labels<P: Problem, D: Policy<P>>(problem: &P, policy: &D, episodes: &[usize], seed: Seed) -> (Round<P>, Ledger) {
     sweep(problem, episodes, seed, |worker, memory: &mut D::Memory, episode, round: &mut Round<P>| {
         let examples = &mut round.examples;
-        let cost = worker.roll_in(policy, memory, episode, |visit| {
-            if let Some(label) = visit.label() {
-                visit.record(examples, Target::Label(label));
-            }
+        let cost = worker.episode(episode, |visit| {
+            label(visit, examples);
+            Some(policy.act(visit, memory))
         });
         round.cost += cost;
     })
@@ -53,9 +59,7 @@ pub fn labels_at<P: Problem, D: Policy<P>>(
             if visit.t() < t {
                 return Some(policy.act(visit, memory));
             }
-            if let Some(label) = visit.label() {
-                visit.record(examples, Target::Label(label));
-            }
+            label(visit, examples);
             None
         });
     })
@@ -84,7 +88,7 @@ where
         let legal = visit.legal();
         costs.extend(legal.iter().map(|action| {
             let total: f64 = (0..self.samples as u64)
-                .map(|k| visit.roll_out(action, policy, memory, run.child(Purpose::RollOut, k)))
+                .map(|k| visit.roll_out(action, run.child(Purpose::RollOut, k), |visit| policy.act(visit, memory)))
                 .sum();
             total / self.samples as f64
         }));
@@ -123,9 +127,51 @@ pub fn costs<P: Problem, D: Policy<P>>(
             let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
             shifted.clear();
             shifted.extend(costs.iter().map(|cost| (cost - least) as f32));
-            visit.record(examples, Target::Costs(shifted));
+            visit.record(|sight| examples.push(sight.view, sight.legal, Target::Costs(shifted)));
             Some(policy.act(visit, memory))
         });
         round.cost += cost;
+    })
+}
+
+/// What a policy did in one run over a problem's episodes.
+#[derive(Clone, Debug, Default)]
+pub struct Performance {
+    /// All actions, episode after episode.
+    pub actions: Vec<Action>,
+    /// The total cost of each episode.
+    pub costs: Vec<f64>,
+}
+
+impl Gather for Performance {
+    fn absorb(&mut self, later: Self) {
+        self.actions.absorb(later.actions);
+        self.costs.absorb(later.costs);
+    }
+}
+
+/// Runs `policy` over the problem's episodes.
+pub fn perform<P: Problem, D: Policy<P>>(problem: &P, policy: &D, seed: Seed) -> (Performance, Ledger) {
+    perform_from(problem, policy, 0, seed)
+}
+
+/// The same for a problem whose episodes are a part of a longer series that starts with its episode number `first`: each draws
+/// what it would draw if the whole series were run at once.
+pub fn perform_from<P: Problem, D: Policy<P>>(
+    problem: &P,
+    policy: &D,
+    first: usize,
+    seed: Seed,
+) -> (Performance, Ledger) {
+    sweep(problem, &all(problem), seed, |worker, memory: &mut D::Memory, episode, done: &mut Performance| {
+        let actions = &mut done.actions;
+        let seed = seed.child(Purpose::Episode, (first + episode.index) as u64);
+        let episode = Episode { seed, ..episode };
+        let cost = worker.episode(episode, |visit| {
+            let action = policy.act(visit, memory);
+            actions.push(action);
+            Some(action)
+        });
+        done.costs.push(cost);
     })
 }

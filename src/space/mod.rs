@@ -86,6 +86,16 @@ pub trait View: Default + Send {
     type Store: Store<Self>;
 }
 
+/// Everything that a policy can see of a state.
+pub struct Sight<'a, V: View> {
+    /// What all views of the space share.
+    pub shared: &'a V::Shared,
+    /// The view of the state.
+    pub view: &'a V,
+    /// The actions that are legal there.
+    pub legal: Actions<'a>,
+}
+
 /// A collection of views.
 pub trait Store<V>: Gather + Sync {
     /// Remembers `view`, which becomes the last.

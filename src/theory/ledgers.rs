@@ -26,7 +26,6 @@
 //! The expert is counted when it is *drawn*, in roll-outs too. Counting every step at which a mixture with an expert in it acts, as Ross & Bagnell
 //! (2010) do for SEARN, gives N for (1-p_N)/beta.
 
-use crate::policy::Follow;
 use crate::seed::Seed;
 use crate::space::{Gather, Problem};
 use crate::trainer::{Dagger, Reuse, Searn, Smile};
@@ -60,7 +59,10 @@ impl Extent {
     pub fn of<P: Problem>(problem: &P) -> Self {
         let run = |worker: &mut crate::worker::Worker<'_, P>, legal: &mut Vec<f64>, episode, extent: &mut Extent| {
             legal.clear();
-            worker.roll_in(&Follow, &mut (), episode, |visit| legal.push(visit.legal().len() as f64));
+            worker.episode(episode, |visit| {
+                legal.push(visit.legal().len() as f64);
+                Some(visit.expert())
+            });
             *extent.lengths.entry(legal.len()).or_default() += 1;
             extent.choices += legal.iter().sum::<f64>();
             extent.remainders += legal.iter().rev().enumerate().map(|(rest, n)| rest as f64 * n).sum::<f64>();

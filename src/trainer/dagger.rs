@@ -101,7 +101,12 @@ impl Dagger {
             for &index in &episodes {
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
                 cost += worker.episode(episode, |visit| {
-                    Some(visit.practise(|sight, label| learner.learn(&mut course, sight, label.map(Target::Label))))
+                    Some(match visit.label() {
+                        Some(label) => {
+                            visit.record(|sight| learner.learn(&mut course, sight, Some(Target::Label(label))))
+                        }
+                        None => learner.learn(&mut course, &visit.sight(), None),
+                    })
                 });
             }
             book.bill(((), worker.ledger()));

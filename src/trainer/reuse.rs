@@ -29,9 +29,9 @@
 //! Reused trajectories are not independent of the classifiers trained on them: measure errors and costs on fresh ones.
 
 use crate::error::{Error, Result};
-use crate::learner::{Examples, Target};
+use crate::learner::Examples;
 use crate::policy::{Classifier, Member, Mixture, MixtureMemory};
-use crate::roll::Round;
+use crate::roll::{self, Round};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Problem, Space, ViewOf};
 use crate::worker::{Ledger, all, sweep};
@@ -143,9 +143,7 @@ impl<P: Problem> Pool<P> {
             sweep(problem, &episodes, seed, |worker, memory: &mut MixtureMemory<C::Memory>, episode, runs| {
                 let mut run = Trajectory::new();
                 run.cost = worker.episode(episode, |visit| {
-                    if let Some(label) = visit.label() {
-                        visit.record(&mut run.examples, Target::Label(label));
-                    }
+                    roll::label(visit, &mut run.examples);
                     let step = self.step_seed(episode.index, episode.seed, visit.t());
                     let member = self.member(policy, self.role(&plans[episode.index], visit.t(), step, n), step);
                     run.length += 1;

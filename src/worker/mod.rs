@@ -8,9 +8,8 @@ mod ledger;
 mod visit;
 
 pub use ledger::Ledger;
-pub use visit::{Sight, Visit};
+pub use visit::Visit;
 
-use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Episode, Gather, Problem, Space, ViewOf};
 use rayon::prelude::*;
@@ -51,20 +50,6 @@ impl<'p, P: Problem> Worker<'p, P> {
             total += space.step(&mut state, action, seed);
         }
         total
-    }
-
-    /// Runs `episode` as `policy` drives, and shows every state to `each` before the policy acts in it. Returns the total cost.
-    pub fn roll_in<D: Policy<P>>(
-        &mut self,
-        policy: &D,
-        memory: &mut D::Memory,
-        episode: Episode,
-        mut each: impl FnMut(&mut Visit<'_, P>),
-    ) -> f64 {
-        self.episode(episode, |visit| {
-            each(visit);
-            Some(policy.act(visit, memory))
-        })
     }
 }
 
@@ -114,46 +99,4 @@ where
 /// The numbers of all the problem's episodes.
 pub fn all(problem: &impl Problem) -> Vec<usize> {
     (0..problem.episodes()).collect()
-}
-
-/// What a policy did in one run over a problem's episodes.
-#[derive(Clone, Debug, Default)]
-pub struct Performance {
-    /// All actions, episode after episode.
-    pub actions: Vec<Action>,
-    /// The total cost of each episode.
-    pub costs: Vec<f64>,
-}
-
-impl Gather for Performance {
-    fn absorb(&mut self, later: Self) {
-        self.actions.absorb(later.actions);
-        self.costs.absorb(later.costs);
-    }
-}
-
-/// Runs `policy` over the problem's episodes.
-pub fn perform<P: Problem, D: Policy<P>>(problem: &P, policy: &D, seed: Seed) -> (Performance, Ledger) {
-    perform_from(problem, policy, 0, seed)
-}
-
-/// The same for a problem whose episodes are a part of a longer series that starts with its episode number `first`: each draws
-/// what it would draw if the whole series were run at once.
-pub fn perform_from<P: Problem, D: Policy<P>>(
-    problem: &P,
-    policy: &D,
-    first: usize,
-    seed: Seed,
-) -> (Performance, Ledger) {
-    sweep(problem, &all(problem), seed, |worker, memory: &mut D::Memory, episode, done: &mut Performance| {
-        let actions = &mut done.actions;
-        let seed = seed.child(Purpose::Episode, (first + episode.index) as u64);
-        let episode = Episode { seed, ..episode };
-        let cost = worker.episode(episode, |visit| {
-            let action = policy.act(visit, memory);
-            actions.push(action);
-            Some(action)
-        });
-        done.costs.push(cost);
-    })
 }

@@ -1,20 +1,8 @@
 //! One visit to one state.
 
 use super::Ledger;
-use crate::learner::{Examples, Target};
-use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Actions, CostToGo, Expert, Problem, SharedOf, Space, StateOf, View, ViewOf};
-
-/// Everything that a policy can see of a state.
-pub struct Sight<'a, V: View> {
-    /// What all views of the space share.
-    pub shared: &'a V::Shared,
-    /// The view of the state.
-    pub view: &'a V,
-    /// The actions that are legal there.
-    pub legal: Actions<'a>,
-}
+use crate::space::{Action, Actions, CostToGo, Expert, Problem, SharedOf, Sight, Space, StateOf, ViewOf};
 
 /// Whose bill a visit goes on.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -126,27 +114,18 @@ impl<'v, P: Problem> Visit<'v, P> {
         }
     }
 
-    /// Adds this state and what is to be learned there to `examples`. Billed as one example.
-    pub fn record(&mut self, examples: &mut Examples<ViewOf<P>>, target: Target<'_>) {
+    /// Hands what can be seen here to `keep`, which makes an example of it. Billed as one example.
+    pub fn record<T>(&mut self, keep: impl FnOnce(&Sight<'_, ViewOf<P>>) -> T) -> T {
         self.ledger.examples += 1;
-        let sight = self.sight();
-        examples.push(sight.view, sight.legal, target);
+        keep(&self.sight())
     }
 
-    /// Asks the expert what it would do and hands the answer, with what can be seen here, to `learn`, which acts and learns on
-    /// the spot. Billed as a label and an example, unless the expert is silent.
-    pub fn practise(&mut self, learn: impl FnOnce(&Sight<'_, ViewOf<P>>, Option<Action>) -> Action) -> Action {
-        let label = self.label();
-        self.ledger.examples += u64::from(label.is_some());
-        learn(&self.sight(), label)
-    }
-
-    /// Puts the system back to this state, takes `action` and lets `policy` act to the end. Returns the total cost from here. Billed
-    /// as a reset and a roll-out.
+    /// Puts the system back to this state, takes `action` and lets `drive` say what to do to the end. Returns the total cost from
+    /// here. Billed as a reset and a roll-out.
     ///
     /// Step t of the roll-out draws its randomness from `run` and t alone, so actions that are compared share it, and so
     /// do roll-outs from different states of one episode that are given the same `run`.
-    pub fn roll_out<D: Policy<P>>(&mut self, action: Action, policy: &D, memory: &mut D::Memory, run: Seed) -> f64
+    pub fn roll_out(&mut self, action: Action, run: Seed, mut drive: impl FnMut(&mut Visit<'_, P>) -> Action) -> f64
     where
         StateOf<P>: Clone,
     {
@@ -165,7 +144,7 @@ impl<'v, P: Problem> Visit<'v, P> {
             if visit.legal().is_empty() {
                 break;
             }
-            action = policy.act(&mut visit, memory);
+            action = drive(&mut visit);
         }
         // From the end, as a table of costs-to-go would add them.
         costs.into_iter().rev().fold(0.0, |rest, cost| cost + rest)

@@ -72,12 +72,18 @@ fn columns_that_are_not_there() {
     folder.says_on("tag --model m", "\nthe\nman\n", &format!("<stdin>:2:1: {needs}"));
     folder.says_on("tag --model m", "the D\nman\n", "<stdin>:2:4: 1 column; expected 2 columns as on line 1");
     folder.put("two", "the D\n");
-    folder.says("evaluate --model m --data two", "two:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels");
+    folder.says(
+        "evaluate --model m --data two",
+        "two:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels",
+    );
     folder.says(
         "evaluate --model m --data c --label-column 3",
         "c:1:7: 3 columns, so their numbers end with 2; expected a column 3 with the labels",
     );
-    folder.says("compare --data c --test two", "two:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels");
+    folder.says(
+        "compare --data c --test two",
+        "two:1:5: 2 columns, so their numbers end with 1; expected a column 2 with the labels",
+    );
     folder.put("one", "the\n");
     folder
         .says("evaluate --model m --data one", "one:1:1: 1 column; expected words and a column of labels beside them");

@@ -8,10 +8,10 @@ use rollin::corpus::Corpus;
 use rollin::learner::{Csoaa, Logistic, Perceptron, Wap};
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
+use rollin::space::Sight;
 use rollin::space::{Features, Problem, Space};
 use rollin::tasks::tagging::{AnyLearner, Encoding, LabelColumn, TaggingProblem, Trainer};
 use rollin::trainer::{Dagger, Forward, Searn, Smile, Supervised};
-use rollin::worker::Sight;
 
 /// `cases` cases that are the same in every run.
 pub fn fixed(cases: u32) -> ProptestConfig {

@@ -4,9 +4,9 @@ use crate::common::{Labels, any_corpora, corpus, encoded, fixed, learners, sampl
 use proptest::prelude::*;
 use rollin::policy::{Greedy, Reading};
 use rollin::read::template::Template;
+use rollin::roll::perform;
 use rollin::tasks::tagging::{About, AnyLearner, Encoding, LabelColumn, Learned, Tagger, Trainer, doc};
 use rollin::trainer::{Forward, Run, Smile};
-use rollin::worker::perform;
 use rollin::{Purpose, Seed};
 use std::path::Path;
 

@@ -3,9 +3,10 @@
 use crate::common::{Labels, learners, problem, sample, tokens, trainers};
 use rollin::learner::{Csoaa, Examples, Learner, Lesson, Logistic, Online, Perceptron, Rule, Setting, Target, Wap};
 use rollin::policy::{Classifier, Columns, Linear};
+use rollin::roll::perform;
+use rollin::space::Sight;
 use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Space};
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
-use rollin::worker::{Sight, perform};
 use rollin::{Purpose, Seed};
 use std::sync::Mutex;
 

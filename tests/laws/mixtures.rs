@@ -5,10 +5,11 @@ use proptest::prelude::*;
 use rollin::learner::Perceptron;
 use rollin::policy::{Member, Mixture, Policy, Reading};
 use rollin::roll::Shortcut;
+use rollin::roll::perform;
 use rollin::space::{CostToGo, Expert, Imitation};
 use rollin::tasks::tagging::{Gold, Learned, Position, Tagging, Trainer};
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
-use rollin::worker::{Ledger, perform};
+use rollin::worker::Ledger;
 use rollin::{Purpose, Seed};
 use std::sync::atomic::{AtomicU64, Ordering};
 

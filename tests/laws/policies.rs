@@ -4,10 +4,12 @@ use crate::common::{Constant, Labels, corpora, drawn, fixed, learners, problem, 
 use proptest::collection::vec;
 use proptest::prelude::*;
 use rollin::policy::{Classifier, Greedy, Ladder, Linear, Mixture, Policy, Reading};
+use rollin::roll::perform;
+use rollin::space::Sight;
 use rollin::space::{Action, Actions, Episode, Features, Problem, Space};
 use rollin::tasks::tagging::{Learned, TaggingProblem, Trainer};
 use rollin::trainer::Run;
-use rollin::worker::{Sight, Worker, perform};
+use rollin::worker::Worker;
 use rollin::{Purpose, Seed};
 
 /// What `policy` does with fresh memory at every step.

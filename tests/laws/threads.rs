@@ -5,7 +5,7 @@ use rayon::ThreadPoolBuilder;
 use rollin::tasks::tagging::{About, AnyLearner, Encoding, Tagger, TaggingProblem, Trainer};
 use rollin::trainer::Run;
 use rollin::worker::Ledger;
-use rollin::{Seed, worker::perform};
+use rollin::{Seed, roll::perform};
 
 fn bytes(encoding: &Encoding, problem: &TaggingProblem, how: (&Trainer, &AnyLearner), seed: u64) -> (Vec<u8>, Ledger) {
     let trained = how.0.train(problem, how.1, &Run::new(seed)).expect("the settings are in range");

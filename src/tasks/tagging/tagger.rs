@@ -5,9 +5,10 @@ use super::space::Tagging;
 use crate::corpus::Corpus;
 use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading, Weights};
+use crate::roll::perform_from;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Imitation, Problem, Silent, Space};
-use crate::worker::{Ledger, Visit, perform_from};
+use crate::worker::{Ledger, Visit};
 use serde::{Deserialize, Serialize};
 
 /// The policies that training can end with.
