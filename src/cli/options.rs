@@ -200,6 +200,9 @@ pub struct TrainerOptions {
     /// Roll-outs of searn for each action [default: 1]
     #[arg(long, value_name = "N")]
     rollouts: Option<usize>,
+    /// Steps of forward that get a classifier of their own [default: 256]
+    #[arg(long, value_name = "N")]
+    longest: Option<usize>,
     /// Let each new classifier start from the one before (not for supervised and dagger-online)
     #[arg(long)]
     warm: bool,
@@ -218,7 +221,7 @@ impl TrainerOptions {
                 return Err(Error::argument(name, "given", expected));
             }
         }
-        let counts = [("--rounds", self.rounds), ("--rollouts", self.rollouts)];
+        let counts = [("--rounds", self.rounds), ("--rollouts", self.rollouts), ("--longest", self.longest)];
         if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
             return Err(Error::argument(name, 0, "at least 1"));
         }
@@ -231,7 +234,7 @@ impl TrainerOptions {
     }
 
     /// Each setting's name, whether it is given, and whether `algorithm` has it.
-    fn settings(&self, algorithm: Algorithm) -> [(&'static str, bool, bool); 6] {
+    fn settings(&self, algorithm: Algorithm) -> [(&'static str, bool, bool); 7] {
         use Algorithm::{DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U};
         [
             ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F)),
@@ -239,6 +242,7 @@ impl TrainerOptions {
             ("--reuse", self.reuse.is_some(), algorithm == M),
             ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut)),
             ("--rollouts", self.rollouts.is_some(), algorithm == S),
+            ("--longest", self.longest.is_some(), algorithm == F),
             ("--warm", self.warm, !matches!(algorithm, U | DaggerOnline)),
         ]
     }
@@ -263,7 +267,10 @@ impl TrainerOptions {
         };
         match algorithm {
             U => Trainer::Supervised(Supervised {}),
-            F => Trainer::Forward(Forward { warm: self.warm }),
+            F => {
+                let longest = self.longest.unwrap_or(Forward::default().longest);
+                Trainer::Forward(Forward { warm: self.warm, longest })
+            }
             M => {
                 let default = Smile::default();
                 Trainer::Smile(Smile {

@@ -15,6 +15,8 @@
 //! | DAgger | N S | S | 0 | 0 | N S |
 //! | DAgger, online | N S | 0 | 0 | 0 | N S |
 //!
+//! Forward training counts an episode's steps up to [`Forward::longest`] only.
+//!
 //! Sums over n are over the rounds but the first, n = 1, ..., N-1. With q for (1-alpha) or (1-alpha p_{n-1}), the expert acts S + sum over n of
 //! p_n sum L (1-q^(L-1)) times in all; for Algorithm 4.2 as printed the last term is (L-1)(1-q^L). What 4.3 and R2 run when their
 //! trajectories run dry comes on top.
@@ -28,7 +30,7 @@
 
 use crate::seed::Seed;
 use crate::space::{Gather, Problem};
-use crate::trainer::{Dagger, Reuse, Searn, Smile};
+use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile};
 use crate::worker::{Ledger, all, sweep};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -133,9 +135,12 @@ pub fn supervised(extent: &Extent) -> Expected {
     labelled(extent, 1.0, extent.steps())
 }
 
-/// What [`Forward`](crate::trainer::Forward) costs.
-pub fn forward(extent: &Extent) -> Expected {
-    Expected { steps: extent.sum(|l| l * (l - 1.0) / 2.0), ..labelled(extent, 1.0, 0.0) }
+/// What [`Forward`] costs.
+pub fn forward(extent: &Extent, forward: &Forward) -> Expected {
+    let trained = |length: f64| length.min(forward.longest as f64);
+    let labels = extent.sum(trained);
+    let steps = extent.sum(|l| trained(l) * (trained(l) - 1.0) / 2.0);
+    Expected { labels, queries: labels, examples: labels, steps, ..Expected::default() }
 }
 
 /// What [`Smile`] costs.

@@ -1,7 +1,7 @@
 //! Forward training (Ross & Bagnell 2010, section 3, Algorithm 3.1).
 
 use super::{Book, Run, Trained};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::learner::{Learner, Setting};
 use crate::policy::Ladder;
 use crate::roll;
@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 
 /// Trains one classifier per step, in order, each on the states that those before it reach.
 ///
-/// Where episodes differ in length, round i uses those that reach step i, and training ends with the longest; a longer episode
-/// later is finished by the last classifier. A run is stopped once its label is had: the steps after it, which the paper's listing
-/// lets the expert drive, bring nothing. So there are as many labels as steps, and L(L-1)/2 steps for an episode of length L, where
+/// Where episodes differ in length, round i uses those that reach step i, and training ends with the longest episode, or after
+/// [`Forward::longest`] steps; a longer episode is finished by the last classifier. A run is stopped once its label is had: the steps after it, which the paper's listing
+/// lets the expert drive, bring nothing. So there are as many labels as steps, and L(L-1)/2 steps for an episode of length L (up to the longest), where
 /// [`Space::horizon`] tells L; where it does not, an episode is run again though it has ended.
 ///
 /// ```
@@ -28,28 +28,39 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!((trained.ledger.labels, trained.ledger.steps), (200, 20 * 45));
 /// # Ok::<(), rollin::Error>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Forward {
     /// Whether each step's classifier starts from that of the step before.
     pub warm: bool,
+    /// Steps that get a classifier of their own; those after are the last one's.
+    pub longest: usize,
+}
+
+impl Default for Forward {
+    fn default() -> Self {
+        Forward { warm: false, longest: 256 }
+    }
 }
 
 impl Forward {
     /// Trains on `problem` with `learner`.
     ///
     /// # Errors
-    /// When the problem has no episodes.
+    /// When no step is to get a classifier or the problem has no episodes.
     pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
         problem: &P,
         learner: &L,
         run: &Run<'_>,
     ) -> Result<Trained<Ladder<L::Classifier>>> {
+        if self.longest == 0 {
+            return Err(Error::argument("longest", 0, "at least 1"));
+        }
         let mut book = Book::open(problem, run)?;
         let mut policy = Ladder::new();
         let mut episodes = all(problem);
-        for i in 0.. {
+        for i in 0..self.longest {
             episodes.retain(|index| problem.space().horizon(*index).is_none_or(|length| length > i));
             let seed = run.seed.child(Purpose::Round, 1 + i as u64);
             let data = book.bill(roll::labels_at(problem, &policy, i, &episodes, seed));
@@ -60,7 +71,7 @@ impl Forward {
             let classifier = learner.fit(Setting::of(problem), &data, warm, seed.child(Purpose::Learner, 0));
             policy.push(classifier);
             let longest = episodes.iter().filter_map(|index| problem.space().horizon(*index)).max();
-            book.round(longest.unwrap_or(i + 1), f64::NAN);
+            book.round(longest.unwrap_or(i + 1).min(self.longest), f64::NAN);
         }
         Ok(book.close(policy.without_expert()))
     }

@@ -6,7 +6,7 @@ use rollin::Seed;
 use rollin::space::{Episode, Imitation, Problem, Space};
 use rollin::tasks::tagging::{TaggingProblem, Trainer};
 use rollin::theory::ledgers::{Expected, Extent};
-use rollin::trainer::{Dagger, Reuse, Run, Searn, Smile};
+use rollin::trainer::{Dagger, Forward, Reuse, Run, Searn, Smile};
 use rollin::worker::{Ledger, Worker};
 
 fn rounds(trainer: &Trainer) -> u64 {
@@ -161,6 +161,18 @@ fn forward_training_pays_for_prefixes() {
     let steps: f64 = lengths(&problem).iter().map(|l| l * (l - 1.0) / 2.0).sum();
     assert_eq!((trained.ledger.steps as f64, trained.ledger.expert_acts), (steps, 0));
     assert_eq!(trained.policy.classifiers().len() as f64, lengths(&problem).iter().copied().fold(0.0, f64::max));
+}
+
+/// Steps beyond the longest get no classifier, no label and no step of the environment.
+#[test]
+fn forward_training_stops_at_the_longest() {
+    let problem = problem(&sample(Labels::Free(3), 20));
+    let longest = 4;
+    assert!(lengths(&problem).iter().any(|length| *length > longest as f64));
+    let trainer = Trainer::Forward(Forward { longest, ..Forward::default() });
+    let trained = trainer.train(&problem, &learners()[0], &Run::new(1)).unwrap();
+    assert_eq!(trained.policy.classifiers().len(), longest);
+    assert_eq!(Expected::from(trained.ledger), trainer.expected(&Extent::of(&problem)));
 }
 
 /// However often a state's label is read, and whether the expert drives there as well: one label, one act, one query.

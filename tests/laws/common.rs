@@ -126,7 +126,7 @@ pub fn trainers() -> Vec<Trainer> {
     let dagger = Dagger { rounds: 3, warm: false };
     vec![
         Trainer::Supervised(Supervised::default()),
-        Trainer::Forward(Forward { warm: true }),
+        Trainer::Forward(Forward { warm: true, ..Forward::default() }),
         Trainer::Smile(Smile { alpha: 0.4, rounds: 4, ..Smile::default() }),
         Trainer::Searn(searn.clone()),
         Trainer::SearnShortcut(searn),

@@ -78,7 +78,7 @@ impl Trainer {
     pub fn expected(&self, extent: &Extent) -> Expected {
         match self {
             Trainer::Supervised(_) => ledgers::supervised(extent),
-            Trainer::Forward(_) => ledgers::forward(extent),
+            Trainer::Forward(forward) => ledgers::forward(extent, forward),
             Trainer::Smile(smile) => ledgers::smile(extent, smile),
             Trainer::Searn(searn) => ledgers::searn(extent, searn),
             Trainer::SearnShortcut(searn) => ledgers::searn_shortcut(extent, searn),
