@@ -4,7 +4,7 @@ use crate::learner::{Examples, Target};
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, CostToGo, Episode, Gather, Problem, StateOf, ViewOf};
-use crate::worker::{Ledger, Visit, all, sweep};
+use crate::worker::{Ledger, Memo, Visit, all, sweep};
 
 /// What a round of roll-ins brought.
 pub struct Round<P: Problem> {
@@ -67,8 +67,27 @@ pub fn labels_at<P: Problem, D: Policy<P>>(
 
 /// How the cost of each action in a state is found.
 pub trait Costing<P: Problem, D: Policy<P>>: Sync {
-    /// Writes the cost from here to the end after each legal action at `visit`, in order.
-    fn costs(&self, visit: &mut Visit<'_, P>, policy: &D, memory: &mut D::Memory, run: Seed, costs: &mut Vec<f64>);
+    /// What is kept from state to state of one thread's episodes under one policy. It must not change the costs.
+    type Memo: Default + Send;
+
+    /// Writes the cost from here to the end after each legal action at `visit`, in order. `run` is the node of the episode.
+    fn costs(
+        &self,
+        visit: &mut Visit<'_, P>,
+        actor: Actor<'_, D, D::Memory, Self::Memo>,
+        run: Seed,
+        costs: &mut Vec<f64>,
+    );
+}
+
+/// A policy and the scratch that a thread keeps for it.
+pub struct Actor<'a, D, M, N> {
+    /// The policy.
+    pub policy: &'a D,
+    /// Its scratch.
+    pub memory: &'a mut M,
+    /// What is remembered of roll-outs with it.
+    pub memo: &'a mut N,
 }
 
 /// Every action is tried and rolled out to the end with the current policy, `samples` times; the mean cost counts. The roll-outs
@@ -83,13 +102,26 @@ impl<P: Problem, D: Policy<P>> Costing<P, D> for RollOut
 where
     StateOf<P>: Clone,
 {
-    fn costs(&self, visit: &mut Visit<'_, P>, policy: &D, memory: &mut D::Memory, run: Seed, costs: &mut Vec<f64>) {
+    /// One for each sample.
+    type Memo = Vec<Memo>;
+
+    fn costs(
+        &self,
+        visit: &mut Visit<'_, P>,
+        actor: Actor<'_, D, D::Memory, Vec<Memo>>,
+        run: Seed,
+        costs: &mut Vec<f64>,
+    ) {
+        let Actor { policy, memory, memo } = actor;
+        memo.resize_with(self.samples, Memo::default);
         costs.clear();
         let legal = visit.legal();
         costs.extend(legal.iter().map(|action| {
-            let total: f64 = (0..self.samples as u64)
-                .map(|k| visit.roll_out(action, run.child(Purpose::RollOut, k), |visit| policy.act(visit, memory)))
-                .sum();
+            let mut total = 0.0;
+            for (k, memo) in memo.iter_mut().enumerate() {
+                let run = run.child(Purpose::RollOut, k as u64);
+                total += visit.roll_out(action, run, Some(memo), |visit| policy.act(visit, memory));
+            }
             total / self.samples as f64
         }));
     }
@@ -104,34 +136,41 @@ impl<P: Problem, D: Policy<P>> Costing<P, D> for Shortcut
 where
     P::Expert: CostToGo<P::Space>,
 {
-    fn costs(&self, visit: &mut Visit<'_, P>, _: &D, _: &mut D::Memory, _: Seed, costs: &mut Vec<f64>) {
+    type Memo = ();
+
+    fn costs(&self, visit: &mut Visit<'_, P>, _: Actor<'_, D, D::Memory, ()>, _: Seed, costs: &mut Vec<f64>) {
         visit.costs_to_go(costs);
     }
 }
 
 /// Rolls in with `policy` and finds at every state what each legal action would cost.
-pub fn costs<P: Problem, D: Policy<P>>(
+pub fn costs<P: Problem, D: Policy<P>, C: Costing<P, D>>(
     problem: &P,
     policy: &D,
-    costing: &impl Costing<P, D>,
+    costing: &C,
     episodes: &[usize],
     seed: Seed,
 ) -> (Round<P>, Ledger) {
-    type Scratch<M> = (M, Vec<f64>, Vec<f32>);
-    sweep(problem, episodes, seed, |worker, scratch: &mut Scratch<D::Memory>, episode, round: &mut Round<P>| {
-        let (memory, costs, shifted) = scratch;
-        let examples = &mut round.examples;
-        let cost = worker.episode(episode, |visit| {
-            costing.costs(visit, policy, memory, episode.seed, costs);
-            // Only differences between actions matter: the cheapest counts 0, so that long episodes lose no precision.
-            let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
-            shifted.clear();
-            shifted.extend(costs.iter().map(|cost| (cost - least) as f32));
-            visit.record(|sight| examples.push(sight.view, sight.legal, Target::Costs(shifted)));
-            Some(policy.act(visit, memory))
-        });
-        round.cost += cost;
-    })
+    type Scratch<M, N> = (M, N, Vec<f64>, Vec<f32>);
+    sweep(
+        problem,
+        episodes,
+        seed,
+        |worker, scratch: &mut Scratch<D::Memory, C::Memo>, episode, round: &mut Round<P>| {
+            let (memory, memo, costs, shifted) = scratch;
+            let examples = &mut round.examples;
+            let cost = worker.episode(episode, |visit| {
+                costing.costs(visit, Actor { policy, memory, memo }, episode.seed, costs);
+                // Only differences between actions matter: the cheapest counts 0, so that long episodes lose no precision.
+                let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+                shifted.clear();
+                shifted.extend(costs.iter().map(|cost| (cost - least) as f32));
+                visit.record(|sight| examples.push(sight.view, sight.legal, Target::Costs(shifted)));
+                Some(policy.act(visit, memory))
+            });
+            round.cost += cost;
+        },
+    )
 }
 
 /// What a policy did in one run over a problem's episodes.

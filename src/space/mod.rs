@@ -74,6 +74,14 @@ pub trait Space: Sync {
         None
     }
 
+    /// A number that tells `state` apart from all states of the same step of the same episode whose future may differ: states with equal
+    /// signatures have equal views, legal actions, expert's answers and, under the same randomness, equal futures. `None`, where there is
+    /// no such number, is always right; roll-outs then remember nothing.
+    fn signature(&self, state: &Self::State) -> Option<u64> {
+        let _ = state;
+        None
+    }
+
     /// What all views of this space share, such as the static features of a corpus.
     fn shared(&self) -> &<Self::View as View>::Shared;
 }

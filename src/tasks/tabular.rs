@@ -114,6 +114,10 @@ impl Space for Tabular {
         Some(self.mdp.horizon())
     }
 
+    fn signature(&self, state: &At) -> Option<u64> {
+        Some(state.s as u64)
+    }
+
     fn shared(&self) -> &FeatureTable {
         &self.table
     }

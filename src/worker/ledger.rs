@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::iter::Sum;
-use std::ops::{Add, AddAssign};
+use std::ops::{Add, AddAssign, Sub};
 
 /// What training has cost so far, in plain numbers that add up, so that the number of threads cannot change the bill.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +36,23 @@ impl AddAssign for Ledger {
         self.resets += other.resets;
         self.steps += other.steps;
         self.examples += other.examples;
+    }
+}
+
+impl Sub for Ledger {
+    type Output = Self;
+    /// What was billed since `earlier`, which is a part of this bill.
+    fn sub(self, earlier: Self) -> Self {
+        Ledger {
+            labels: self.labels - earlier.labels,
+            expert_acts: self.expert_acts - earlier.expert_acts,
+            rollout_acts: self.rollout_acts - earlier.rollout_acts,
+            queries: self.queries - earlier.queries,
+            rollouts: self.rollouts - earlier.rollouts,
+            resets: self.resets - earlier.resets,
+            steps: self.steps - earlier.steps,
+            examples: self.examples - earlier.examples,
+        }
     }
 }
 

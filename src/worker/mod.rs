@@ -5,9 +5,11 @@
 //! and hands back what was gathered in the order of the episodes.
 
 mod ledger;
+mod memo;
 mod visit;
 
 pub use ledger::Ledger;
+pub use memo::Memo;
 pub use visit::Visit;
 
 use crate::seed::{Purpose, Seed};

@@ -1,6 +1,7 @@
 //! One visit to one state.
 
 use super::Ledger;
+use super::memo::{Memo, Rest};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Actions, CostToGo, Expert, Problem, SharedOf, Sight, Space, StateOf, ViewOf};
 
@@ -124,29 +125,55 @@ impl<'v, P: Problem> Visit<'v, P> {
     /// here. Billed as a reset and a roll-out.
     ///
     /// Step t of the roll-out draws its randomness from `run` and t alone, so actions that are compared share it, and so
-    /// do roll-outs from different states of one episode that are given the same `run`.
-    pub fn roll_out(&mut self, action: Action, run: Seed, mut drive: impl FnMut(&mut Visit<'_, P>) -> Action) -> f64
+    /// do roll-outs from different states of one episode that are given the same `run`. Those can share a `memo` too, as long as
+    /// the same policy drives: costs and bill are the same to the bit, with it or without.
+    pub fn roll_out(
+        &mut self,
+        action: Action,
+        run: Seed,
+        mut memo: Option<&mut Memo>,
+        mut drive: impl FnMut(&mut Visit<'_, P>) -> Action,
+    ) -> f64
     where
         StateOf<P>: Clone,
     {
+        if let Some(memo) = &mut memo {
+            memo.belong_to(run);
+        }
+        let space = self.problem.space();
         self.ledger.rollouts += 1;
         self.ledger.resets += 1;
-        let space = self.problem.space();
+        // The view of the state at hand is overwritten: the next look at it writes it again.
+        self.looked = false;
         let mut state = self.state.clone();
         let mut action = action;
-        let mut costs = Vec::new();
-        for t in self.t.. {
+        // The costs of the steps, and which states they led to.
+        let mut steps: Vec<(f64, Option<u64>, Ledger)> = Vec::new();
+        let mut rest = Rest { cost: 0.0, bill: Ledger::default() };
+        for t in self.t + 1.. {
             self.ledger.steps += 1;
-            costs.push(space.step(&mut state, action, run.child(Purpose::Step, t as u64)));
-            // The view of the state at hand is overwritten: the next look at it writes it again.
-            self.looked = false;
-            let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t + 1, run);
+            let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
+            let signature = memo.as_ref().and_then(|_| space.signature(&state));
+            steps.push((cost, signature, *self.ledger));
+            if let Some(known) = signature.and_then(|signature| memo.as_ref()?.find(t, signature)) {
+                rest = known;
+                *self.ledger += known.bill;
+                break;
+            }
+            let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t, run);
             if visit.legal().is_empty() {
                 break;
             }
             action = drive(&mut visit);
         }
         // From the end, as a table of costs-to-go would add them.
-        costs.into_iter().rev().fold(0.0, |rest, cost| cost + rest)
+        let after = *self.ledger;
+        for (place, (cost, signature, then)) in steps.into_iter().enumerate().rev() {
+            if let (Some(memo), Some(signature)) = (&mut memo, signature) {
+                memo.keep(self.t + 1 + place, signature, Rest { cost: rest.cost, bill: after - then });
+            }
+            rest.cost += cost;
+        }
+        rest.cost
     }
 }

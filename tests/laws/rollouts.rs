@@ -10,7 +10,7 @@ use rollin::space::{
 };
 use rollin::tasks::tagging::{Gold, Position, Tagging, TaggingProblem};
 use rollin::trainer::Run;
-use rollin::worker::{Worker, all};
+use rollin::worker::{Memo, Worker, all};
 use rollin::{Purpose, Seed};
 
 /// What a linear classifier does, the plain way: all weights summed anew, then the best, or the one that beats most.
@@ -91,6 +91,34 @@ fn mixture(problem: &TaggingProblem, rates: &[f64]) -> Mixture<Linear> {
 proptest! {
     #![proptest_config(fixed(150))]
 
+    /// Roll-outs that remember cost the same to the bit as those that do not, action for action, and so does their bill.
+    #[test]
+    fn remembering_changes_nothing_but_the_time(
+        sentences in any_corpora(6, 9),
+        rates in prop::collection::vec(0.05f64..1.0, 1..5),
+        drop_expert: bool,
+        number: u64,
+    ) {
+        let problem = problem(&sentences);
+        let grown = mixture(&problem, &rates);
+        let mixture = if drop_expert { grown.without_expert() } else { grown };
+        let all_costs = |remember: bool| {
+            let (mut worker, mut memory, mut memo, mut costs) = (Worker::new(&problem), Default::default(), Memo::default(), Vec::new());
+            for index in 0..problem.episodes() {
+                let seed = Seed::new(number).child(Purpose::Episode, index as u64);
+                worker.episode(Episode { index, seed }, |visit| {
+                    for action in visit.legal().iter() {
+                        let memo = remember.then_some(&mut memo);
+                        costs.push(visit.roll_out(action, seed, memo, |visit| mixture.act(visit, &mut memory)).to_bits());
+                    }
+                    Some(mixture.act(visit, &mut memory))
+                });
+            }
+            (costs, worker.ledger())
+        };
+        prop_assert_eq!(all_costs(true), all_costs(false));
+    }
+
     /// At every state of every roll-in, for every action: the same cost as the simulation, step by step, with the
     /// same keys. What the policy does during the roll-in is the same, too, though roll-outs lie between, which share
     /// its scratch.
@@ -114,7 +142,7 @@ proptest! {
                 for k in 0..2 {
                     let run = episode.seed.child(Purpose::RollOut, k);
                     for action in visit.legal().iter() {
-                        let found = visit.roll_out(action, run, |visit| mixture.act(visit, &mut memory));
+                        let found = visit.roll_out(action, run, None, |visit| mixture.act(visit, &mut memory));
                         let expected = naive_cost(space, mirror.clone(), action, &mixture, run, visit.t());
                         assert_eq!(found, expected, "{action:?} in {mirror:?}");
                     }
@@ -227,7 +255,8 @@ fn actions_that_are_compared_share_their_luck() {
     worker.episode(Episode { index: 0, seed: Seed::new(1) }, |visit| {
         for k in 0..2 {
             let run = Seed::new(1).child(Purpose::RollOut, k);
-            let costs: Vec<f64> = (0..3).map(|a| visit.roll_out(Action(a), run, |visit| visit.expert())).collect();
+            let costs: Vec<f64> =
+                (0..3).map(|a| visit.roll_out(Action(a), run, None, |visit| visit.expert())).collect();
             assert!(
                 (costs[1] - costs[0] - 10.0).abs() < 1e-12 && (costs[2] - costs[0] - 20.0).abs() < 1e-12,
                 "{costs:?}"
@@ -277,7 +306,7 @@ fn a_look_after_a_roll_out_is_of_the_state_at_hand() {
         worker.episode(Episode { index, seed: Seed::new(5) }, |visit| {
             let before = visit.sight().view.clone();
             let after_each = visit.legal().iter().map(|action| {
-                visit.roll_out(action, Seed::new(6), |visit| mixture.act(visit, &mut memory));
+                visit.roll_out(action, Seed::new(6), None, |visit| mixture.act(visit, &mut memory));
                 visit.sight().view.clone()
             });
             for after in after_each.collect::<Vec<_>>() {

@@ -162,6 +162,14 @@ impl Space for Tagging {
         Some((self.starts[index + 1] - self.starts[index]) as usize)
     }
 
+    /// The labels that history features and the order of labels look at, where they fit.
+    #[inline]
+    fn signature(&self, state: &Position) -> Option<u64> {
+        let far = self.history.iter().flat_map(|line| &line.back).copied().max().unwrap_or(1).max(1) as usize;
+        let labels = state.history.get(..far).filter(|labels| labels.len() <= 4)?;
+        Some(labels.iter().fold(0, |packed, label| packed << 16 | u64::from(*label)))
+    }
+
     fn shared(&self) -> &FeatureTable {
         &self.table
     }
