@@ -38,7 +38,8 @@ pub fn orders(mdp: &Mdp, base: &Table, substitute: &Table) -> Result<Orders> {
     let mut split = Split::new(horizon);
     let mut costs = Array1::<f64>::zeros(horizon + 1);
     let mut frequencies = Array2::zeros((horizon + 1, mdp.states()));
-    let mut prefixes = Prefixes::new(mdp, base, substitute);
+    let chains = [base, substitute].map(|table| mdp.chain(table));
+    let mut prefixes = Prefixes::new(mdp, &chains[0], &chains[1]);
     for t in 1..=horizon {
         // F_{t-1}[j]: the states at the t-th step.
         let now = prefixes.rows();
@@ -68,11 +69,14 @@ pub fn laws(mdp: &Mdp, base: &Table, substitute: &Table) -> Result<Array3<f64>> 
     let horizon = mdp.horizon();
     let mut laws = Array3::zeros((horizon + 1, horizon, mdp.states()));
     let mut split = Split::new(horizon);
-    let mut prefixes = Prefixes::new(mdp, base, substitute);
+    let chains = [base, substitute].map(|table| mdp.chain(table));
+    let mut prefixes = Prefixes::new(mdp, &chains[0], &chains[1]);
     for t in 0..horizon {
         laws.index_axis_mut(Axis(1), t).assign(&split.weights().dot(&prefixes.rows()));
         split.advance();
-        prefixes.advance();
+        if t + 1 < horizon {
+            prefixes.advance();
+        }
     }
     Ok(laws)
 }
@@ -85,19 +89,19 @@ fn share(j: usize, t: usize, swap: impl Fn(usize) -> f64, stay: impl Fn(usize) -
 }
 
 /// F_t: `rows[j,s]`, j = 0, ..., t.
-pub(super) struct Prefixes {
+pub(super) struct Prefixes<'a> {
     t: usize,
-    base: Array2<f64>,
-    substitute: Array2<f64>,
+    base: &'a Array2<f64>,
+    substitute: &'a Array2<f64>,
     rows: Array2<f64>,
 }
 
-impl Prefixes {
-    /// F_0, the initial distribution. The tables fit the problem.
-    pub(super) fn new(mdp: &Mdp, base: &Table, substitute: &Table) -> Self {
+impl<'a> Prefixes<'a> {
+    /// F_0, the initial distribution. The chains are of the problem.
+    pub(super) fn new(mdp: &Mdp, base: &'a Array2<f64>, substitute: &'a Array2<f64>) -> Self {
         let mut rows = Array2::zeros((mdp.horizon() + 1, mdp.states()));
         rows.row_mut(0).assign(mdp.start());
-        Prefixes { t: 0, base: mdp.chain(base), substitute: mdp.chain(substitute), rows }
+        Prefixes { t: 0, base, substitute, rows }
     }
 
     /// `[j,s]`, j = 0, ..., t.
@@ -108,7 +112,7 @@ impl Prefixes {
     /// From F_t to F_{t+1}.
     pub(super) fn advance(&mut self) {
         let now = first(&self.rows, Axis(0), self.t + 1);
-        let (stay, swap) = (now.dot(&self.base), now.dot(&self.substitute));
+        let (stay, swap) = (now.dot(self.base), now.dot(self.substitute));
         self.t += 1;
         if self.t < self.rows.nrows() {
             blend(&mut self.rows, self.t, &stay, &swap);

@@ -5,7 +5,7 @@
 //! fade.
 
 use super::closed::{SLOWEST, choose, gone, kept, rounds, shares, tail};
-use super::evaluate::{Evaluation, evaluate};
+use super::evaluate::{Evaluation, cost, evaluate};
 use super::korder::{Orders, orders};
 use super::mdp::Mdp;
 use super::table::Table;
@@ -125,7 +125,7 @@ impl Mixing {
             mixing.evaluations.push(evaluate(mdp, mixer.policy())?);
             mixing.policies.push(mixer.policy().clone());
             let unsupervised = mixer.unsupervised().unwrap_or(hat).clone();
-            mixing.unsupervised_costs.push(evaluate(mdp, &unsupervised)?.cost);
+            mixing.unsupervised_costs.push(cost(mdp, &unsupervised));
             mixing.unsupervised.push(unsupervised);
         }
         Ok(mixing)
