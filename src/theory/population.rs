@@ -75,7 +75,7 @@ impl<'a> Class<'a> {
         average(&visits(self.mdp, &vec![policy; self.mdp.horizon()]))
     }
 
-    /// Supervised training: the least 0-1 loss under the expert's own states.
+    /// Supervised training: the least 0-1 loss under the expert's own states. O(S^2 (T + A)).
     ///
     /// # Errors
     /// None that this class can have.
@@ -84,6 +84,7 @@ impl<'a> Class<'a> {
     }
 
     /// Forward training: pi_1, ..., pi_T, each the least 0-1 loss under the states that its predecessors lead to.
+    /// O(T S^2), for a deterministic classifier takes one row of `next` a state.
     pub fn forward(&self) -> Vec<Choice> {
         let mut now = self.mdp.start().clone();
         let step = |_| {
@@ -94,7 +95,7 @@ impl<'a> Class<'a> {
         (0..self.mdp.horizon()).map(step).collect()
     }
 
-    /// SMILe: hat*^1, ..., hat*^N, each the least 0-1 loss under d of pi^{n-1}.
+    /// SMILe: hat*^1, ..., hat*^N, each the least 0-1 loss under d of pi^{n-1}. O(N S^2 (T + A)).
     ///
     /// # Errors
     /// A rate outside \[1e-15, 1\].
@@ -103,7 +104,7 @@ impl<'a> Class<'a> {
     }
 
     /// SEARN: h_1, ..., h_N, each the least Jbar_1^{pi^{n-1}}. Its margins are those of T Jbar_1, the sum over the
-    /// steps.
+    /// steps. O(N T S^2 A).
     ///
     /// # Errors
     /// A rate outside \[1e-15, 1\].
