@@ -38,8 +38,8 @@ pub struct Costs {
     pub disadvantages: Vec<f64>,
 }
 
-/// The costs of all orders of `substitute` with respect to `base`, without the state frequencies: O(T^2 S^2 + T^3), half
-/// of what [`orders`] takes. Memory: O(T (S + T)).
+/// The costs of all orders of `substitute` with respect to `base`, without the state frequencies: O(T^2 S^2 + T^3),
+/// half of what [`orders`] takes. Memory: O(T (S + T)).
 ///
 /// # Errors
 /// A table of the wrong shape.

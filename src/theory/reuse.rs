@@ -100,6 +100,23 @@ impl Reuse {
     /// The same averaged over the steps, for problems whose laws are too many to hold: every law has one row, d(s).
     /// `by_count`, `printed43` and `exact43` are those of the last round only, and empty in the others.
     ///
+    /// ```
+    /// use ndarray::Axis;
+    /// use rollin::theory::{instances, mixing::Smile, reuse::Reuse};
+    ///
+    /// let (mdp, hats) = instances::departure(5)?;
+    /// let mixing = Smile::of(&mdp, &hats, 0.3)?.mixing;
+    /// let (steps, means) = (Reuse::of(&mdp, &mixing, &hats)?, Reuse::means(&mdp, &mixing, &hats)?);
+    /// let (law, mean) = (&steps.chain43[2], &means.chain43[2]);
+    /// assert_eq!((law.dim(), mean.dim()), ((5, 2), (1, 2)));
+    /// assert!((law.sum_axis(Axis(0)) / 5.0 - mean.row(0)).iter().all(|gap| gap.abs() < 1e-15));
+    /// let (laws, mean) = (&steps.exact43[1], &means.exact43[1]);
+    /// assert_eq!((laws.dim(), mean.dim()), ((5, 5, 2), (5, 1, 2)));
+    /// assert!((laws.sum_axis(Axis(1)) / 5.0 - mean.index_axis(Axis(1), 0)).iter().all(|gap| gap.abs() < 1e-15));
+    /// assert!(means.exact43[0].is_empty() && means.by_count[0].is_empty() && means.printed43[0].is_empty());
+    /// # Ok::<(), rollin::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As for [`Reuse::of`].
     pub fn means(mdp: &Mdp, mixing: &Mixing, hats: &[Table]) -> Result<Self> {
