@@ -44,12 +44,14 @@
 //! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers and templates, grammars with exact answers, measures |
 //! | [`tasks`] | sequence tagging |
 //! | [`report`], `cli` | tables; the program |
+//! | [`guide`] | chapters: [what the theorems say](guide::theorems) |
 
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod corpus;
 pub mod error;
 pub mod grammar;
+pub mod guide;
 pub mod learner;
 pub mod output;
 pub mod policy;

@@ -82,7 +82,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// The counts of `plan`.
+    /// The counts of `plan`: O(N), and O(N^2) for the variance of the repair by ageing, which is left out for large N.
     pub fn of(plan: &Plan) -> Self {
         let (m, horizon, rounds) = (plan.samples as f64, plan.horizon as f64, plan.rounds as f64);
         let (a, b) = (plan.alpha, plan.beta);

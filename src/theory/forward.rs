@@ -32,7 +32,7 @@ pub struct Forward {
 }
 
 impl Forward {
-    /// Follows `tables[i-1]` = pi_i, one a step.
+    /// Follows `tables[i-1]` = pi_i, one a step: O(T S^2 A).
     ///
     /// # Errors
     /// A table of the wrong shape, or fewer tables than steps.

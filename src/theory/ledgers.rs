@@ -1,7 +1,8 @@
 //! Predicted ledgers: what each trainer will cost, before it runs.
 //!
-//! Episodes differ in length. Write L for an episode's length, S for the sum of L over the episodes, p_n for the expert's share after n rounds
-//! ((1-alpha)^n or (1-beta)^n), N for the rounds, k for the roll-outs per action, A_t for the number of legal actions at step t.
+//! Episodes differ in length. Write L for an episode's length, S for the sum of L over the episodes, p_n for the
+//! expert's share after n rounds ((1-alpha)^n or (1-beta)^n), N for the rounds, k for the roll-outs per action, A_t
+//! for the number of legal actions at step t.
 //!
 //! | trainer | labels | expert acts | roll-outs | roll-out acts | steps |
 //! |---|---|---|---|---|---|
@@ -21,12 +22,12 @@
 //! p_n sum L (1-q^(L-1)) times in all; for Algorithm 4.2 as printed the last term is (L-1)(1-q^L). What 4.3 and R2 run when their
 //! trajectories run dry comes on top.
 //!
-//! Steps t count from 1 here. Labels, roll-outs and steps are exact wherever episode lengths and A_t do not depend on what is done; acts are
-//! expectations, exact where p is 0 or 1. SEARN's A_t is taken along the expert's own trajectories: exact where all actions are always
-//! legal, an estimate where rules such as IOB2's let the number vary.
+//! Steps t count from 1 here. Labels, roll-outs and steps are exact wherever episode lengths and A_t do not depend on
+//! what is done; acts are expectations, exact where p is 0 or 1. SEARN's A_t is taken along the expert's own
+//! trajectories: exact where all actions are always legal, an estimate where rules such as IOB2's let the number vary.
 //!
-//! The expert is counted when it is *drawn*, in roll-outs too. Counting every step at which a mixture with an expert in it acts, as Ross & Bagnell
-//! (2010) do for SEARN, gives N for (1-p_N)/beta.
+//! The expert is counted when it is *drawn*, in roll-outs too. Counting every step at which a mixture with an expert
+//! in it acts, as Ross & Bagnell (2010) do for SEARN, gives N for (1-p_N)/beta.
 
 use crate::seed::Seed;
 use crate::space::{Gather, Problem};

@@ -5,8 +5,8 @@
 //! fade.
 
 use super::closed::{SLOWEST, choose, gone, kept, rounds, shares, tail};
-use super::evaluate::{Evaluation, evaluate};
-use super::korder::{Orders, orders};
+use super::evaluate::{Evaluation, cost, evaluate};
+use super::korder::{self, Costs};
 use super::mdp::Mdp;
 use super::table::Table;
 use crate::error::{Error, Result};
@@ -92,13 +92,13 @@ pub struct Mixing {
     pub unsupervised_costs: Vec<f64>,
     /// `proposals[n-1]`: hat^n.
     pub proposals: Vec<Table>,
-    /// `orders[n-1]`: the k-th order quantities of hat^n with respect to pi^{n-1}.
-    pub orders: Vec<Orders>,
+    /// `orders[n-1]`: the k-th order costs of hat^n with respect to pi^{n-1}.
+    pub orders: Vec<Costs>,
     horizon: usize,
 }
 
 impl Mixing {
-    /// Mixes in `hats[n-1]` at round n.
+    /// Mixes in `hats[n-1]` at round n: O(N T S^2 (T + A)), most of it for the k-th order costs. Memory: O(N S A T).
     ///
     /// # Errors
     /// A rate outside \[1e-15, 1\], or a table of the wrong shape.
@@ -119,13 +119,13 @@ impl Mixing {
         for (i, hat) in hats.iter().enumerate() {
             mdp.admit(hat)?;
             let mixed_in = mixer.advance(hat);
-            mixing.orders.push(orders(mdp, &mixing.policies[i], &mixed_in)?);
+            mixing.orders.push(korder::costs(mdp, &mixing.policies[i], &mixed_in)?);
             mixing.proposals.push(mixed_in);
             mixing.kept.push(kept(rate, i + 1));
             mixing.evaluations.push(evaluate(mdp, mixer.policy())?);
             mixing.policies.push(mixer.policy().clone());
             let unsupervised = mixer.unsupervised().unwrap_or(hat).clone();
-            mixing.unsupervised_costs.push(evaluate(mdp, &unsupervised)?.cost);
+            mixing.unsupervised_costs.push(cost(mdp, &unsupervised));
             mixing.unsupervised.push(unsupervised);
         }
         Ok(mixing)
@@ -203,7 +203,7 @@ impl Mixing {
     pub fn conservative(&self, n: usize) -> f64 {
         let (b, horizon) = (self.rate, self.horizon as f64);
         let step =
-            |orders: &Orders| b * horizon * orders.disadvantages[1] + b * b * horizon * (horizon * horizon - 1.0) / 3.0;
+            |orders: &Costs| b * horizon * orders.disadvantages[1] + b * b * horizon * (horizon * horizon - 1.0) / 3.0;
         self.expert_cost() + self.orders.iter().take(n).map(step).sum::<f64>()
     }
 
@@ -263,7 +263,7 @@ pub struct SmileBounds {
 }
 
 impl Smile {
-    /// SMILe with the classifiers `hats[j-1]` = hat*^j.
+    /// SMILe with the classifiers `hats[j-1]` = hat*^j; the cost is that of [`Mixing::of`].
     ///
     /// # Errors
     /// A rate outside \[1e-15, 1\], or a table of the wrong shape.

@@ -6,7 +6,7 @@
 //! margin of a choice is the smallest gap, over the values of the view, between the best and the second-best action;
 //! choices of a margin near 0 hang on rounding.
 
-use super::evaluate::evaluate;
+use super::evaluate::{average, evaluate, push, visits};
 use super::mdp::{Mdp, same};
 use super::mixing::{Mixer, Proposal};
 use super::table::Table;
@@ -70,35 +70,41 @@ impl<'a> Class<'a> {
         self.best(&loss)
     }
 
-    /// Supervised training: the least 0-1 loss under the expert's own states.
+    /// d of a policy that fits the problem.
+    fn seen(&self, policy: &Table) -> Array1<f64> {
+        average(&visits(self.mdp, &vec![policy; self.mdp.horizon()]))
+    }
+
+    /// Supervised training: the least 0-1 loss under the expert's own states. O(S^2 (T + A)).
     ///
     /// # Errors
     /// None that this class can have.
     pub fn supervised(&self) -> Result<Choice> {
-        Ok(self.mimic(evaluate(self.mdp, &self.mdp.star())?.mean().view()))
+        Ok(self.mimic(self.seen(&self.mdp.star()).view()))
     }
 
     /// Forward training: pi_1, ..., pi_T, each the least 0-1 loss under the states that its predecessors lead to.
+    /// O(T S^2), for a deterministic classifier takes one row of `next` a state.
     pub fn forward(&self) -> Vec<Choice> {
         let mut now = self.mdp.start().clone();
         let step = |_| {
             let choice = self.mimic(now.view());
-            now = now.dot(&self.mdp.chain(&choice.0));
+            now = push(&now, &self.mdp.chain(&choice.0));
             choice
         };
         (0..self.mdp.horizon()).map(step).collect()
     }
 
-    /// SMILe: hat*^1, ..., hat*^N, each the least 0-1 loss under d of pi^{n-1}.
+    /// SMILe: hat*^1, ..., hat*^N, each the least 0-1 loss under d of pi^{n-1}. O(N S^2 (T + A)).
     ///
     /// # Errors
     /// A rate outside \[1e-15, 1\].
     pub fn smile(&self, rate: f64, rounds: usize) -> Result<Vec<Choice>> {
-        self.rounds(rate, rounds, |policy| Ok(self.mimic(evaluate(self.mdp, policy)?.mean().view())), Proposal::Smile)
+        self.rounds(rate, rounds, |policy| Ok(self.mimic(self.seen(policy).view())), Proposal::Smile)
     }
 
     /// SEARN: h_1, ..., h_N, each the least Jbar_1^{pi^{n-1}}. Its margins are those of T Jbar_1, the sum over the
-    /// steps.
+    /// steps. O(N T S^2 A).
     ///
     /// # Errors
     /// A rate outside \[1e-15, 1\].
