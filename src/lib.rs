@@ -50,6 +50,7 @@ pub mod cli;
 pub mod corpus;
 pub mod error;
 pub mod grammar;
+mod index;
 pub mod learner;
 pub mod output;
 pub mod policy;
