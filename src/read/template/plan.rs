@@ -283,9 +283,20 @@ struct Tables<'b> {
     /// The tables of all groups.
     table: Vec<u32>,
     found: Vec<u64>,
+    /// The numbers of a sentence, and those of them that are not known yet.
     numbers: Vec<u32>,
+    unknown: Vec<Unknown>,
     /// For each group where the numbers are that belong to what was found.
     starts: Vec<usize>,
+}
+
+/// A number that is to be looked up: where it belongs among the numbers and in the table, and what by.
+#[derive(Clone, Copy, Debug)]
+struct Unknown {
+    at: usize,
+    line: usize,
+    place: usize,
+    hash: u64,
 }
 
 /// The lines that look at the same cells. For each combination of what these can be, their numbers lie side by side.
@@ -302,16 +313,14 @@ struct Group<'b> {
 const NOWHERE: usize = usize::MAX / 2;
 
 impl Numbered<'_> {
-    /// As [`Bound::observe`], with each line and hash looked up by `number`.
-    #[inline]
-    pub fn observe(&mut self, sentence: &Range<usize>, token: usize, number: impl FnMut(usize, u64) -> u32) -> &[u32] {
-        self.observe.read(self.hashes, sentence, token, number)
+    /// As [`Bound::observe`] at all tokens of `sentence`, one after the other, with each line and hash looked up by `number`.
+    pub fn observe(&mut self, sentence: &Range<usize>, number: impl FnMut(usize, u64) -> u32) -> &[u32] {
+        self.observe.read(self.hashes, sentence, number)
     }
 
-    /// As [`Bound::contexts`], with each line and hash looked up by `number`.
-    #[inline]
-    pub fn contexts(&mut self, sentence: &Range<usize>, token: usize, number: impl FnMut(usize, u64) -> u32) -> &[u32] {
-        self.contexts.read(self.hashes, sentence, token, number)
+    /// As [`Bound::contexts`] at all tokens of `sentence`, one after the other, with each line and hash looked up by `number`.
+    pub fn contexts(&mut self, sentence: &Range<usize>, number: impl FnMut(usize, u64) -> u32) -> &[u32] {
+        self.contexts.read(self.hashes, sentence, number)
     }
 }
 
@@ -343,39 +352,42 @@ impl<'b> Tables<'b> {
                 end += places * group.lines;
             }
         }
-        let (found, numbers, starts) = (vec![0; sites.sites.len()], vec![0; lines.len()], vec![0; groups.len()]);
-        Tables { sites, groups, lines, table: vec![UNREAD; end], found, numbers, starts }
+        let (found, starts, table) = (vec![0; sites.sites.len()], vec![0; groups.len()], vec![UNREAD; end]);
+        Tables { sites, groups, lines, table, found, numbers: Vec::new(), unknown: Vec::new(), starts }
     }
 
-    #[inline]
-    fn read(
-        &mut self,
-        hashes: &[u64],
-        sentence: &Range<usize>,
-        token: usize,
-        mut number: impl FnMut(usize, u64) -> u32,
-    ) -> &[u32] {
+    /// The numbers of all lines at all tokens of `sentence`. What no table knows is looked up at the end, one after the other: looks into
+    /// a large dictionary then wait for memory together.
+    fn read(&mut self, hashes: &[u64], sentence: &Range<usize>, mut number: impl FnMut(usize, u64) -> u32) -> &[u32] {
         let sites = self.sites;
-        sites.find(sentence, token, &mut self.found);
-        for (group, start) in self.groups.iter().zip(&mut self.starts) {
-            *start = group.start;
-            if group.start != NOWHERE {
-                let found = group.atoms.iter().map(|atom| *atom as usize);
-                let place = found.fold(0, |place, i| place * sites.sites[i].size + self.found[i] as usize);
-                *start += place * group.lines;
+        self.numbers.clear();
+        self.unknown.clear();
+        for token in sentence.clone() {
+            sites.find(sentence, token, &mut self.found);
+            for (group, start) in self.groups.iter().zip(&mut self.starts) {
+                *start = group.start;
+                if group.start != NOWHERE {
+                    let found = group.atoms.iter().map(|atom| *atom as usize);
+                    let place = found.fold(0, |place, i| place * sites.sites[i].size + self.found[i] as usize);
+                    *start += place * group.lines;
+                }
+            }
+            for (line, (group, offset)) in self.lines.iter().enumerate() {
+                let place = self.starts[*group] + offset;
+                let known = self.table.get(place).copied().unwrap_or(UNREAD);
+                if known == UNREAD {
+                    let hash = sites.hash(hashes, &sites.plan.lines[line], &self.found);
+                    self.unknown.push(Unknown { at: self.numbers.len(), line, place, hash });
+                }
+                self.numbers.push(known);
             }
         }
-        for (i, ((group, offset), slot)) in self.lines.iter().zip(&mut self.numbers).enumerate() {
-            let mut look_up = || number(i, sites.hash(hashes, &sites.plan.lines[i], &self.found));
-            *slot = match self.table.get_mut(self.starts[*group] + offset) {
-                Some(known) => {
-                    if *known == UNREAD {
-                        *known = look_up();
-                    }
-                    *known
-                }
-                None => look_up(),
-            };
+        for &Unknown { at, line, place, hash } in &self.unknown {
+            let number = number(line, hash);
+            self.numbers[at] = number;
+            if let Some(known) = self.table.get_mut(place) {
+                *known = number;
+            }
         }
         &self.numbers
     }

@@ -248,12 +248,13 @@ fn read(
     rows.starts.push(0);
     for i in 0..corpus.sentences() {
         let sentence = corpus.sentence(i);
-        for token in sentence.clone() {
-            let known = numbered.observe(&sentence, token, |_, hash| feature(hash));
-            rows.ids.extend(known.iter().filter(|number| **number != ABSENT));
+        let width = template.observations();
+        let known = numbered.observe(&sentence, |_, hash| feature(hash));
+        for token in 0..sentence.len() {
+            rows.ids.extend(known[token * width..(token + 1) * width].iter().filter(|number| **number != ABSENT));
             rows.starts.push(rows.ids.len());
-            rows.contexts.extend_from_slice(numbered.contexts(&sentence, token, &mut context));
         }
+        rows.contexts.extend_from_slice(numbered.contexts(&sentence, &mut context));
     }
     Ok(rows)
 }
