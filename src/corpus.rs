@@ -17,6 +17,7 @@
 //! ```
 
 use crate::error::Place;
+use crate::index::Index;
 use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -29,9 +30,7 @@ pub(crate) fn hash(text: &str) -> u64 {
 
 /// Distinct strings, numbered from 0 in order of first occurrence.
 ///
-/// The strings lie end to end in one arena. The index is a table of open addressing with linear probing: a slot holds
-/// the upper half of a string's hash and its number, so that a probe reads the arena only for what is almost surely
-/// the string it looks for.
+/// The strings lie end to end in one arena.
 #[derive(Clone, Default)]
 pub struct Interner {
     arena: String,
@@ -39,17 +38,7 @@ pub struct Interner {
     ends: Vec<usize>,
     /// The hash of each string.
     hashes: Vec<u64>,
-    /// A power of two of slots, at most half of them taken; [`FREE`] where free.
-    slots: Vec<u64>,
-}
-
-/// A slot without a string. No string has this number: a corpus has fewer than `u32::MAX` tokens.
-const FREE: u64 = u64::MAX;
-
-/// What the slot of string `id` holds.
-#[inline]
-fn slot(hash: u64, id: u32) -> u64 {
-    (hash & !u64::from(u32::MAX)) | u64::from(id)
+    index: Index,
 }
 
 impl Interner {
@@ -81,21 +70,19 @@ impl Interner {
 
     /// The number of `text`, if it has one.
     pub fn find(&self, text: &str) -> Option<u32> {
-        if self.slots.is_empty() { None } else { self.probe(text, hash(text)).ok() }
+        self.index.find(hash(text), |id| self.get(id) == text)
     }
 
     /// The number of `text`, which is given the next one if it has none.
     #[inline]
     pub fn intern(&mut self, text: &str) -> u32 {
         let hash = hash(text);
-        if 2 * self.ends.len() >= self.slots.len() {
-            self.index(4 * self.ends.len().max(8));
-        }
-        match self.probe(text, hash) {
+        self.index.make_room(&self.hashes);
+        match self.index.probe(hash, |id| self.get(id) == text) {
             Ok(id) => id,
             Err(place) => {
                 let id = self.ends.len() as u32;
-                self.slots[place] = slot(hash, id);
+                self.index.take(place, hash, id);
                 self.arena.push_str(text);
                 self.ends.push(self.arena.len());
                 self.hashes.push(hash);
@@ -120,39 +107,7 @@ impl Interner {
             self.ends.truncate(len);
             self.hashes.truncate(len);
             self.arena.truncate(self.ends.last().copied().unwrap_or(0));
-            self.index(2 * len.max(8));
-        }
-    }
-
-    /// The number of `text`, or else the free slot where its number belongs. Some slot must be free.
-    #[inline]
-    fn probe(&self, text: &str, hash: u64) -> Result<u32, usize> {
-        let mask = self.slots.len() - 1;
-        let mut place = hash as usize & mask;
-        loop {
-            let found = self.slots[place];
-            if found == FREE {
-                return Err(place);
-            }
-            if (found ^ hash) >> 32 == 0 && self.get(found as u32) == text {
-                return Ok(found as u32);
-            }
-            place = (place + 1) & mask;
-        }
-    }
-
-    /// Makes the index anew with at least `size` slots.
-    #[cold]
-    fn index(&mut self, size: usize) {
-        self.slots.clear();
-        self.slots.resize(size.next_power_of_two(), FREE);
-        let mask = self.slots.len() - 1;
-        for (id, &hash) in self.hashes.iter().enumerate() {
-            let mut place = hash as usize & mask;
-            while self.slots[place] != FREE {
-                place = (place + 1) & mask;
-            }
-            self.slots[place] = slot(hash, id as u32);
+            self.index.rebuild(&self.hashes, len);
         }
     }
 }

@@ -52,6 +52,7 @@ pub mod corpus;
 pub mod error;
 pub mod grammar;
 pub mod guide;
+mod index;
 pub mod learner;
 pub mod output;
 pub mod policy;

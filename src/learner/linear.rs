@@ -22,7 +22,7 @@ pub enum Descent {
 }
 
 impl Descent {
-    /// Planes of a row: the weight, the sum of its changes times when they came, and the sum of squared gradients.
+    /// Planes: the weight, the sum of its changes times when they came, and the sum of squared gradients.
     fn planes(self) -> usize {
         match self {
             Descent::Plain => 2,
@@ -68,8 +68,14 @@ pub struct Course {
     seen: u64,
     scores: Vec<f32>,
     gradient: Vec<f32>,
+    /// The blocks of the gradient that are not all zero, and which they are.
+    blocks: Vec<(usize, Block)>,
     votes: Vec<f32>,
 }
+
+/// Columns that are changed together: what one instruction takes on every machine.
+const BLOCK: usize = 4;
+type Block = [f32; BLOCK];
 
 impl Course {
     /// Scores the example whose features are `fixed` and `dynamic`.
@@ -87,6 +93,9 @@ impl Course {
         let lesson = Lesson { actions: self.actions, legal, target };
         self.gradient.fill(0.0);
         if rule.gradient(lesson, &self.scores[..count], &mut self.gradient[..count]) {
+            let blocks = self.gradient.as_chunks().0.iter().copied().enumerate();
+            self.blocks.clear();
+            self.blocks.extend(blocks.filter(|(_, g)| *g != [0.0; BLOCK]));
             self.change(rule.descent(), fixed);
             self.change(rule.descent(), dynamic);
         }
@@ -95,31 +104,55 @@ impl Course {
 
     fn change(&mut self, descent: Descent, features: &[u32]) {
         let when = self.seen as f32;
-        let stride = self.weights.stride();
-        let gradient = &self.gradient[..stride];
+        let plane = self.weights.stride() / BLOCK;
+        // The scores have brought the weights into the cache, but not what lies behind them: one look at each row, and all
+        // are on their way at once.
+        let ahead = features.iter().filter_map(|feature| self.weights.row(*feature));
+        let ahead = ahead.flat_map(|row| row.iter().skip(32).step_by(16)).fold(0, |all, w| all | w.to_bits());
+        std::hint::black_box(ahead);
         for &feature in features {
-            let (w, rest) = self.weights.row_mut(feature).split_at_mut(stride);
+            let (w, rest) = self.weights.row_mut(feature).as_chunks_mut().0.split_at_mut(plane);
+            let (u, squares) = rest.split_at_mut(plane);
             match descent {
                 Descent::Plain => {
-                    for ((w, u), g) in w.iter_mut().zip(rest).zip(gradient) {
-                        *w -= g;
-                        *u -= when * g;
+                    for (block, g) in &self.blocks {
+                        (w[*block], u[*block]) = plain(when, *g, w[*block], u[*block]);
                     }
                 }
                 Descent::Adaptive { rate, l2 } => {
-                    let (u, squares) = rest.split_at_mut(stride);
-                    for (((w, u), s), g) in w.iter_mut().zip(u).zip(squares).zip(gradient) {
-                        let g = if *g == 0.0 { 0.0 } else { g + l2 * *w };
-                        *s += g * g;
-                        // Where the sum is still zero so is g: the small number only keeps 0/0 away.
-                        let change = rate * g / (s.sqrt() + 1e-20);
-                        *w -= change;
-                        *u -= when * change;
+                    for (block, g) in &self.blocks {
+                        let now = (w[*block], u[*block], squares[*block]);
+                        (w[*block], u[*block], squares[*block]) = adaptive(rate, l2, when, *g, now);
                     }
                 }
             }
         }
     }
+}
+
+/// The weights and the sums of changes after a plain step. Blocks come and go by value: only then can each line be one instruction.
+#[inline]
+fn plain(when: f32, g: Block, mut w: Block, mut u: Block) -> (Block, Block) {
+    for c in 0..BLOCK {
+        w[c] -= g[c];
+        u[c] -= when * g[c];
+    }
+    (w, u)
+}
+
+/// The weights, the sums of changes and the sums of squares after an adaptive step.
+#[inline]
+fn adaptive(rate: f32, l2: f32, when: f32, g: Block, now: (Block, Block, Block)) -> (Block, Block, Block) {
+    let (mut w, mut u, mut s) = now;
+    for c in 0..BLOCK {
+        let g = if g[c] == 0.0 { 0.0 } else { g[c] + l2 * w[c] };
+        s[c] += g * g;
+        // Where the sum is still zero so is g: the small number only keeps 0/0 away.
+        let change = rate * g / (s[c].sqrt() + 1e-20);
+        w[c] -= change;
+        u[c] -= when * change;
+    }
+    (w, u, s)
 }
 
 impl<R: Rule> Learner<Features> for R {
@@ -163,7 +196,8 @@ impl<R: Rule> Online<Features> for R {
             }
         }
         let (scores, gradient) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
-        Course { actions: setting.actions, columns, weights, seen: 0, scores, gradient, votes: Vec::new() }
+        let (blocks, votes) = (Vec::new(), Vec::new());
+        Course { actions: setting.actions, columns, weights, seen: 0, scores, gradient, blocks, votes }
     }
 
     #[inline]
@@ -186,10 +220,9 @@ impl<R: Rule> Online<Features> for R {
     fn finish(&self, course: Course) -> Linear {
         let stride = course.weights.stride();
         let seen = course.seen.max(1) as f32;
-        let weights = course.weights.fold(|planes, average| {
-            for ((average, w), u) in average.iter_mut().zip(&planes[..stride]).zip(&planes[stride..2 * stride]) {
-                *average = w - u / seen;
-            }
+        let weights = course.weights.fold(|planes| {
+            let (w, rest) = planes.split_at_mut(stride);
+            w.iter_mut().zip(rest).for_each(|(w, u)| *w -= *u / seen);
         });
         Linear { actions: course.actions, columns: course.columns, weights }
     }

@@ -27,6 +27,11 @@ impl<C> Ladder<C> {
         &self.steps
     }
 
+    /// The same ladder with every classifier replaced by what `change` makes of it.
+    pub fn map<D>(self, change: impl FnMut(C) -> D) -> Ladder<D> {
+        Ladder { steps: self.steps.into_iter().map(change).collect(), expert: self.expert }
+    }
+
     /// Takes the first step that is still the expert's away from it.
     pub fn push(&mut self, classifier: C) {
         self.steps.push(classifier);

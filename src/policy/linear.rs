@@ -93,13 +93,29 @@ impl Weights {
     #[inline]
     pub fn row_mut(&mut self, feature: u32) -> &mut [f32] {
         let width = self.planes * self.stride;
-        let slot = &mut self.index[feature as usize];
-        if *slot == 0 {
-            *slot = (self.rows.len() / width) as u32;
-            self.rows.resize(self.rows.len() + width, 0.0);
+        if self.index[feature as usize] == 0 {
+            self.add(feature);
         }
-        let start = *slot as usize * width;
+        let start = self.index[feature as usize] as usize * width;
         &mut self.rows[start..start + width]
+    }
+
+    /// Adds a row of zeros for `feature`.
+    #[cold]
+    fn add(&mut self, feature: u32) {
+        self.index[feature as usize] = self.len() as u32 + 1;
+        self.rows.resize(self.rows.len() + self.planes * self.stride, 0.0);
+    }
+
+    /// Takes up the room that `rows` more rows will need.
+    pub fn reserve(&mut self, rows: usize) {
+        self.rows.reserve_exact(rows * self.planes * self.stride);
+    }
+
+    /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more.
+    pub fn renumber(mut self, old: &[u32]) -> Self {
+        self.index = old.iter().map(|feature| self.index[*feature as usize]).collect();
+        self
     }
 
     /// Adds the first planes of these features' rows to `scores`, in the order given.
@@ -139,22 +155,26 @@ impl Weights {
         *scores = sums;
     }
 
-    /// Weights of one plane made from these: `fold` gets all planes of a row and writes the new one. Rows that come out
-    /// all zero are left out.
-    pub fn fold(&self, mut fold: impl FnMut(&[f32], &mut [f32])) -> Weights {
-        let mut kept = Weights::new(self.features(), self.columns, 1);
-        let mut plane = vec![0.0; self.stride];
-        let mut order: Vec<(u32, u32)> =
-            self.index.iter().enumerate().filter(|(_, row)| **row != 0).map(|(f, row)| (*row, f as u32)).collect();
-        order.sort_unstable();
-        for (_, feature) in order {
-            plane.fill(0.0);
-            fold(self.row(feature).unwrap_or(&[]), &mut plane);
-            if plane.iter().any(|w| *w != 0.0) {
-                kept.row_mut(feature).copy_from_slice(&plane);
+    /// Weights of one plane made from these, in their place: `fold` gets all planes of a row and changes the first, the one that stays. Rows
+    /// in which it comes out all zero are left out.
+    pub fn fold(mut self, mut fold: impl FnMut(&mut [f32])) -> Weights {
+        let (stride, width) = (self.stride, self.planes * self.stride);
+        let mut moved = vec![0; self.len() + 1];
+        let mut kept = 1;
+        for (row, place) in moved.iter_mut().enumerate().skip(1) {
+            let planes = row * width..(row + 1) * width;
+            fold(&mut self.rows[planes.clone()]);
+            let plane = planes.start..planes.start + stride;
+            if self.rows[plane.clone()].iter().any(|w| *w != 0.0) {
+                self.rows.copy_within(plane, kept * stride);
+                *place = kept as u32;
+                kept += 1;
             }
         }
-        kept
+        self.index.iter_mut().for_each(|row| *row = moved[*row as usize]);
+        self.rows.truncate(kept * stride);
+        self.rows.shrink_to_fit();
+        Weights { planes: 1, ..self }
     }
 }
 

@@ -53,7 +53,7 @@ mod pattern;
 mod plan;
 mod regex;
 
-pub use plan::Bound;
+pub use plan::{ABSENT, Bound, Numbered};
 
 use crate::corpus::{Corpus, MARK};
 use crate::error::{Error, Place, Result};

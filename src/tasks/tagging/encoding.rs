@@ -4,10 +4,9 @@ use super::space::{HistoryLine, NO_CONTEXT, Tagging};
 use super::transitions::{Order, Transitions};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::read::template::Template;
+use crate::index::Index;
+use crate::read::template::{ABSENT, Template};
 use crate::space::FeatureTable;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// Labels are counted in 16 bits, one of which stands for the begin mark.
@@ -16,67 +15,56 @@ pub const MOST_LABELS: usize = u16::MAX as usize - 1;
 /// Numbers of 64-bit hashes, in the order of their first occurrence.
 #[derive(Clone, Debug, Default)]
 pub struct Dictionary {
-    numbers: HashMap<u64, u32, BuildHasherDefault<AsItIs>>,
-}
-
-/// The hash of a hash is itself.
-#[derive(Clone, Copy, Default)]
-struct AsItIs(u64);
-
-impl Hasher for AsItIs {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = self.0.rotate_left(8) ^ u64::from(*byte);
-        }
-    }
-    fn write_u64(&mut self, n: u64) {
-        self.0 = n;
-    }
+    keys: Vec<u64>,
+    index: Index,
 }
 
 impl Dictionary {
     /// The dictionary of these keys, numbered as they stand; `None` when one stands twice.
     pub fn of(keys: impl ExactSizeIterator<Item = u64>) -> Option<Self> {
         let count = keys.len();
-        let mut dictionary = Dictionary::default();
-        dictionary.numbers.reserve(count);
-        dictionary.numbers.extend(keys.zip(0..));
+        let mut dictionary = Dictionary { keys: Vec::with_capacity(count), index: Index::default() };
+        dictionary.index.rebuild(&[], count);
+        for key in keys {
+            dictionary.intern(key);
+        }
         (dictionary.len() == count).then_some(dictionary)
     }
 
     /// How many keys there are.
     pub fn len(&self) -> usize {
-        self.numbers.len()
+        self.keys.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.numbers.is_empty()
+        self.keys.is_empty()
     }
 
     /// The number of `key`, if it has one.
     #[inline]
     pub fn find(&self, key: u64) -> Option<u32> {
-        self.numbers.get(&key).copied()
+        self.index.find(key, |number| self.keys[number as usize] == key)
     }
 
     /// The number of `key`, the next one if it is new.
     #[inline]
     pub fn intern(&mut self, key: u64) -> u32 {
-        let next = self.numbers.len() as u32;
-        *self.numbers.entry(key).or_insert(next)
+        self.index.make_room(&self.keys);
+        match self.index.probe(key, |number| self.keys[number as usize] == key) {
+            Ok(number) => number,
+            Err(place) => {
+                let number = self.keys.len() as u32;
+                self.index.take(place, key, number);
+                self.keys.push(key);
+                number
+            }
+        }
     }
 
     /// The keys in the order of their numbers.
-    pub fn keys(&self) -> Vec<u64> {
-        let mut keys = vec![0; self.len()];
-        for (key, number) in &self.numbers {
-            keys[*number as usize] = *key;
-        }
-        keys
+    pub fn keys(&self) -> &[u64] {
+        &self.keys
     }
 }
 
@@ -179,14 +167,7 @@ impl Encoding {
             history: [].into(),
         };
         let Encoding { features, contexts, template, .. } = &mut encoding;
-        let mut rows = Rows::of(corpus);
-        read(
-            template,
-            corpus,
-            &mut rows,
-            |hash| Some(features.intern(hash)),
-            |line, hash| contexts[line].intern(hash),
-        )?;
+        let rows = read(template, corpus, |hash| features.intern(hash), |line, hash| contexts[line].intern(hash))?;
         encoding.number_history()?;
         let space = encoding.space(corpus, rows, gold);
         Ok((encoding, space))
@@ -198,9 +179,9 @@ impl Encoding {
     /// # Errors
     /// When a column is missing that the template needs.
     pub fn apply(&self, corpus: &Corpus) -> Result<Tagging> {
-        let mut rows = Rows::of(corpus);
+        let feature = |hash| self.features.find(hash).unwrap_or(ABSENT);
         let context = |line: usize, hash| self.contexts[line].find(hash).unwrap_or(NO_CONTEXT);
-        read(&self.template, corpus, &mut rows, |hash| self.features.find(hash), context)?;
+        let rows = read(&self.template, corpus, feature, context)?;
         Ok(self.space(corpus, rows, Vec::new()))
     }
 
@@ -245,37 +226,33 @@ struct Rows {
     contexts: Vec<u32>,
 }
 
-impl Rows {
-    fn of(corpus: &Corpus) -> Self {
-        let mut starts = Vec::with_capacity(corpus.tokens() + 1);
-        starts.push(0);
-        Rows { starts, ids: Vec::new(), contexts: Vec::new() }
-    }
-}
-
-/// Fills `rows` from `corpus`: each hash that the template makes is looked up by `feature` or, for a history line, `context`.
+/// The rows of `corpus`: each hash that the template makes is looked up by `feature`, which may find nothing, or, for a history
+/// line, `context`.
 fn read(
     template: &Template,
     corpus: &Corpus,
-    rows: &mut Rows,
-    mut feature: impl FnMut(u64) -> Option<u32>,
+    mut feature: impl FnMut(u64) -> u32,
     mut context: impl FnMut(usize, u64) -> u32,
-) -> Result<()> {
+) -> Result<Rows> {
     let bound = template.bind(corpus)?;
-    let mut hashes = Vec::new();
+    let mut numbered = bound.numbered();
+    let mut rows = Rows {
+        starts: Vec::with_capacity(corpus.tokens() + 1),
+        ids: Vec::with_capacity(corpus.tokens() * template.observations()),
+        contexts: Vec::with_capacity(corpus.tokens() * template.history().len()),
+    };
+    rows.starts.push(0);
     for i in 0..corpus.sentences() {
         let sentence = corpus.sentence(i);
-        for token in sentence.clone() {
-            hashes.clear();
-            bound.observe(sentence.clone(), token, &mut hashes);
-            rows.ids.extend(hashes.iter().filter_map(|hash| feature(*hash)));
+        let width = template.observations();
+        let known = numbered.observe(&sentence, |_, hash| feature(hash));
+        for token in 0..sentence.len() {
+            rows.ids.extend(known[token * width..(token + 1) * width].iter().filter(|number| **number != ABSENT));
             rows.starts.push(rows.ids.len());
-            hashes.clear();
-            bound.contexts(sentence.clone(), token, &mut hashes);
-            rows.contexts.extend(hashes.iter().enumerate().map(|(line, hash)| context(line, *hash)));
         }
+        rows.contexts.extend_from_slice(numbered.contexts(&sentence, &mut context));
     }
-    Ok(())
+    Ok(rows)
 }
 
 /// The first token whose label may not stand where it does.

@@ -75,21 +75,33 @@ impl Tagger {
             rows: classifiers.iter().map(|c| c.weights.len()).collect(),
             about: self.about.clone(),
         };
-        let mut body = serde_json::to_vec(&header).unwrap_or_default();
-        body.push(b'\n');
+        let json = serde_json::to_vec(&header).unwrap_or_default();
+        let keys: usize = header.features + header.contexts.iter().sum::<usize>();
+        let numbers: usize = classifiers.iter().map(|c| c.weights.len() * (1 + c.weights.columns())).sum();
+        let length = json.len() + 1 + 8 * keys + 4 * numbers;
+
+        // Models are large: the body is written once, behind a head that waits for its checksum.
+        let head = |sum| format!("{MAGIC}{VERSION}\n{}\n", second_line(length, sum)).into_bytes();
+        let mut bytes = head(0);
+        let start = bytes.len();
+        bytes.reserve_exact(length);
+        bytes.extend(json);
+        bytes.push(b'\n');
         for dictionary in std::iter::once(&self.encoding.features).chain(&self.encoding.contexts) {
-            body.extend(dictionary.keys().into_iter().flat_map(u64::to_le_bytes));
+            bytes.extend(dictionary.keys().iter().flat_map(|key| key.to_le_bytes()));
         }
         for classifier in classifiers {
             let weights = &classifier.weights;
             let with_weights = || (0..weights.features() as u32).filter_map(|f| weights.row(f).map(|row| (f, row)));
-            body.extend(with_weights().flat_map(|(feature, _)| feature.to_le_bytes()));
+            bytes.extend(with_weights().flat_map(|(feature, _)| feature.to_le_bytes()));
             for (_, row) in with_weights() {
-                body.extend(row[..weights.columns()].iter().flat_map(|w| w.to_le_bytes()));
+                let at = bytes.len();
+                bytes.resize(at + 4 * weights.columns(), 0);
+                bytes[at..].as_chunks_mut().0.iter_mut().zip(row).for_each(|(to, w)| *to = w.to_le_bytes());
             }
         }
-        let mut bytes = format!("{MAGIC}{VERSION}\n{}\n", second_line(body.len(), checksum(&body))).into_bytes();
-        bytes.extend(body);
+        let sum = checksum(&bytes[start..]);
+        bytes[..start].copy_from_slice(&head(sum));
         bytes
     }
 
@@ -139,7 +151,8 @@ impl Tagger {
         }
         let mut dictionary = |count: usize| {
             let keys = arrays.take::<8>(count).ok_or_else(|| broken("it ends within a dictionary"))?;
-            Dictionary::of(keys.map(u64::from_le_bytes)).ok_or_else(|| broken("a feature stands in it twice"))
+            Dictionary::of(keys.iter().map(|key| u64::from_le_bytes(*key)))
+                .ok_or_else(|| broken("a feature stands in it twice"))
         };
         let features = dictionary(header.features)?;
         let contexts = header.contexts.iter().map(|count| dictionary(*count)).collect::<Result<Vec<_>>>()?;
@@ -191,16 +204,16 @@ fn classifier(
     let width = columns.count(actions);
     let numbers = arrays.take::<4>(count).ok_or("it ends within a list of features")?;
     let all = width.checked_mul(count).ok_or("a classifier is too large")?;
-    let mut numbers = numbers.map(u32::from_le_bytes);
-    let mut values = arrays.take::<4>(all).ok_or("it ends within a classifier's weights")?.map(f32::from_le_bytes);
+    let values = arrays.take::<4>(all).ok_or("it ends within a classifier's weights")?;
     let mut weights = Weights::new(features, width, 1);
-    for feature in &mut numbers {
+    weights.reserve(count);
+    for (i, number) in numbers.iter().enumerate() {
+        let feature = u32::from_le_bytes(*number);
         if feature as usize >= features || weights.row(feature).is_some() {
             return Err("a feature with weights does not exist or stands twice");
         }
-        for (w, value) in weights.row_mut(feature)[..width].iter_mut().zip(&mut values) {
-            *w = value;
-        }
+        let row = values[i * width..(i + 1) * width].iter();
+        weights.row_mut(feature).iter_mut().zip(row).for_each(|(w, value)| *w = f32::from_le_bytes(*value));
     }
     Ok(Linear { actions, columns, weights })
 }
@@ -212,10 +225,10 @@ struct Arrays<'a> {
 
 impl<'a> Arrays<'a> {
     /// The next `count` numbers of `N` bytes each; `None` when they are not there.
-    fn take<const N: usize>(&mut self, count: usize) -> Option<impl ExactSizeIterator<Item = [u8; N]> + use<'a, N>> {
+    fn take<const N: usize>(&mut self, count: usize) -> Option<&'a [[u8; N]]> {
         let (taken, rest) = self.rest.split_at_checked(count.checked_mul(N)?)?;
         self.rest = rest;
-        Some(taken.as_chunks::<N>().0.iter().copied())
+        Some(taken.as_chunks().0)
     }
 }
 

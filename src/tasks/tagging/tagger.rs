@@ -4,7 +4,7 @@ use super::encoding::{Dictionary, Encoding};
 use super::space::Tagging;
 use crate::corpus::Corpus;
 use crate::error::Result;
-use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading, Weights};
+use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
 use crate::roll::perform_from;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Imitation, Problem, Silent, Space};
@@ -48,12 +48,10 @@ impl Learned {
     }
 
     /// The same with every classifier replaced by what `change` makes of it.
-    pub fn map(self, mut change: impl FnMut(Linear) -> Linear) -> Self {
+    pub fn map(self, change: impl FnMut(Linear) -> Linear) -> Self {
         match self {
             Learned::Mixture(mixture) => Learned::Mixture(mixture.map(change)),
-            Learned::Ladder(ladder) => {
-                Learned::Ladder(Ladder::of(ladder.steps().iter().cloned().map(&mut change).collect()))
-            }
+            Learned::Ladder(ladder) => Learned::Ladder(ladder.map(change)),
         }
     }
 
@@ -62,6 +60,13 @@ impl Learned {
     pub fn read_as(self, reading: Reading) -> Self {
         match self {
             Learned::Mixture(mixture) => {
+                if let [(_, one)] = mixture.members()
+                    && reading == Reading::Mean
+                    && one.columns == Columns::Actions
+                {
+                    // Its own mean.
+                    return Learned::Mixture(mixture.read_as(Reading::default()));
+                }
                 if reading == Reading::Mean
                     && let Some(mean) = Linear::mean(mixture.members())
                 {
@@ -126,7 +131,8 @@ impl Tagger {
     pub fn new(mut encoding: Encoding, policy: impl Into<Learned>, about: About) -> Result<Self> {
         let policy = policy.into();
         let before = encoding.features.len();
-        let used = |feature: &u32| policy.classifiers().iter().any(|c| c.weights.row(*feature).is_some());
+        let classifiers = policy.classifiers();
+        let used = |feature: &u32| classifiers.iter().any(|c| c.weights.row(*feature).is_some());
         let kept: Vec<u32> = (0..before as u32).filter(used).collect();
         let keys = encoding.features.keys();
         encoding.features =
@@ -136,15 +142,7 @@ impl Tagger {
         // Dynamic features keep their order behind the static ones.
         let moved: Vec<u32> =
             kept.into_iter().chain(before as u32..(features + before - encoding.features.len()) as u32).collect();
-        let policy = policy.map(|classifier| {
-            let mut weights = Weights::new(features, classifier.weights.columns(), 1);
-            for (new, old) in moved.iter().enumerate() {
-                if let Some(row) = classifier.weights.row(*old) {
-                    weights.row_mut(new as u32).copy_from_slice(row);
-                }
-            }
-            Linear { weights, ..classifier }
-        });
+        let policy = policy.map(|classifier| Linear { weights: classifier.weights.renumber(&moved), ..classifier });
         Ok(Tagger { encoding, policy, about })
     }
 
