@@ -20,7 +20,8 @@
 //! 3. **Randomness is keyed, never shared.** Every draw hangs below a [`Seed`] that names what it is for (round, episode, step), never who draws it.
 //!    Same seed, same bits, at any number of threads.
 //! 4. **Static and dynamic features.** What a policy sees splits into a part that depends on the input only, computed once per corpus and
-//!    scored once per position, and a part that depends on the decisions so far ([`space::Features`]).
+//!    scored once per position, and a part that depends on the decisions so far ([`space::Features`]). Spaces may give a state a
+//!    [signature](space::Space::signature): equal signatures have equal futures, so roll-outs remember them, exactly.
 //! 5. **Published and exact, side by side.** Where a published procedure is only approximately right, both it and the exact one are
 //!    here under their names, and the difference is measured.
 //!
