@@ -133,6 +133,11 @@ fn readable(audit: &Audit) -> String {
         text += &format!("{bounds}\n");
     }
     if let Some(reuse) = &audit.reuse {
+        text += "Sample reuse: new trajectories, and the data sets' error in total variation, ";
+        text += match reuse.d_true.first() {
+            Some(law) if law.len() > 1 => "averaged over the steps\n",
+            _ => "of the states of all steps together\n",
+        };
         text += &format!("{}\n", drift(reuse));
     }
     if let Some(counts) = &audit.counts {
@@ -144,7 +149,8 @@ fn readable(audit: &Audit) -> String {
     text
 }
 
-/// How far the data sets of sample reuse are from what they should be, in total variation averaged over the steps.
+/// How far the data sets of sample reuse are from what they should be: total variation, averaged over the laws that are
+/// there, one a step or one for all.
 fn drift(reuse: &crate::theory::audit::ReuseGroup) -> Table {
     let mut table = Table::new(["round", "new, 4.2", "new, 4.3", "error of 4.2 as printed", "error of 4.3 as printed"]);
     for n in 1..reuse.d_true.len() {

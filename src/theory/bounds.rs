@@ -4,6 +4,36 @@
 //! Where the printed statement needs a hypothesis the bound carries it, true or not; where it is not needed its name
 //! says so. Where a printed statement is weaker than what its proof gives, or leaves constants open, the stronger form
 //! stands beside it.
+//!
+//! # Proofs
+//!
+//! *Theorem 2.1.* Run learner and expert with the same randomness until they first choose differently. At step t they do so for
+//! the first time with probability at most e_t, the learner's error under the expert's own states, and what follows
+//! costs at most T-t+1 more. Summing gives the sharp form; T-t+1 <= T gives the printed one.
+//!
+//! *Theorem 3.1.* pi^n differs from pi^{n-1} at step n only, so the disadvantages telescope. With u_i the most that one wrong
+//! action at step i can cost while the expert acts after it, a disadvantage is at most eps_i u_i. The supremum must be over
+//! actions: over stochastic policies alone it would count the error mass twice.
+//!
+//! *Lemma 4.1.* How often the new policy acts in T steps is binomial, and given the number, when is uniform: one round's change of J is the
+//! binomial mean of the A_i. Its orders above k have probability at most C(T,k+1) a^{k+1}, by a union bound over sets of
+//! k+1 steps, and cost at most T each. Nothing here needs a <= 1/T.
+//!
+//! *Lemma 4.2.* Couple pi^n with pitilde^n until the expert is first drawn, at step t with probability p(1-p)^{t-1}; what follows costs at most
+//! T-t+1 more. The sum is T - sum_t (1-p)^t, at most pT(T+1)/2, at most pT^2.
+//!
+//! *Theorem 4.1 and the form without tail.* hat^n and pi^{n-1} choose differently in state s with probability at most p_{n-1} e(s), and a
+//! step is among k uniform ones with probability k/T. Coupling as for Theorem 2.1 gives A_k <= (k/T) p_{n-1} W_n, with
+//! W_n = sum_t e_t (T-t+1) <= T^2 eps_n. Lemma 4.1 at k = 2, with this for A_2 and A_1 as it is, and Lemma 4.2 give the explicit form
+//! of Theorem 4.1. Using it for every k >= 2 leaves no tail, since sum_{k>=2} C(T,k) a^k (1-a)^{T-k} k/T = a (1 - (1-a)^{T-1}).
+//!
+//! *By the performance difference lemma* (Kakade & Langford 2002). J(pi^n) - J(pi^{n-1}) is a p_{n-1} times the sum over t of the mean under
+//! d^t of pi^n of the advantage of hat*^n over the expert, at most T-t+1 in size. The two policies' d^t differ by at most
+//! a p_{n-1} sum_{i<t} e_i in total variation; replacing one by the other and summing over t and n gives the bound. At
+//! alpha = 1/T^2 its second term is at most (T-1) eps~, and p_N <= 1/T^2 pays for dropping the expert.
+//!
+//! *SEARN and CPI.* Lemma 4.1 at k = 1 with Lemma 4.2; and the same performance difference, with b for a p_{n-1} e_i, summed over the
+//! steps: b^2 T(T^2-1)/3.
 
 use super::closed::{alpha_printed, kept, rounds_printed, tail};
 use super::evaluate::evaluate;
