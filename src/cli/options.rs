@@ -2,7 +2,7 @@
 
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::learner::{Csoaa, Logistic, Perceptron, Wap};
+use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
 use crate::read::{conll, template::Template};
 use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order, Trainer};
 use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
@@ -147,6 +147,8 @@ pub enum LearnerName {
     Csoaa,
     /// Weighted all pairs (cost-sensitive)
     Wap,
+    /// Filter tree: a tournament of actions (cost-sensitive)
+    FilterTree,
 }
 
 /// How SMILe reuses samples, on the command line.
@@ -298,7 +300,7 @@ pub struct LearnerOptions {
     /// Passes over the examples each time the learner fits; dagger-online makes one a round whatever is given [default: 5, wap 3]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
-    /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap 0.2]
+    /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap and filter-tree 0.2]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     rate: Option<f32>,
     /// L2 penalty per example, for every learner but the perceptron [default: 0]
@@ -344,6 +346,11 @@ impl LearnerOptions {
                 let default = Csoaa::default();
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
                 AnyLearner::Csoaa(Csoaa { passes, rate, l2 })
+            }
+            LearnerName::FilterTree => {
+                let default = FilterTree::default();
+                let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
+                AnyLearner::FilterTree(FilterTree { passes, rate, l2 })
             }
             LearnerName::Wap => {
                 let default = Wap::default();

@@ -206,8 +206,8 @@ impl<R: Rule> Online<Features> for R {
         course.score(fixed, dynamic);
         let choice = match course.columns {
             Columns::Actions => sight.legal.best(&course.scores),
-            Columns::Pairs => {
-                votes(course.actions, &course.scores, sight.legal, &mut course.votes);
+            columns => {
+                votes(columns, course.actions, &course.scores, sight.legal, &mut course.votes);
                 sight.legal.best(&course.votes)
             }
         };

@@ -1,6 +1,7 @@
 //! Learners: from examples to classifiers.
 //!
-//! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`]) learn labels, cost-sensitive ones ([`Csoaa`], [`Wap`]) costs. The two
+//! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`]) learn labels, cost-sensitive ones ([`Csoaa`], [`Wap`], [`FilterTree`])
+//! costs. The two
 //! reductions of [`reduce`] let each learn from the other's examples, so every trainer runs with every learner.
 //!
 //! # Writing one
@@ -14,6 +15,7 @@ mod logistic;
 mod perceptron;
 pub mod reduce;
 mod tabular;
+mod tree;
 mod wap;
 
 pub use csoaa::Csoaa;
@@ -22,6 +24,7 @@ pub use linear::{Course, Descent, Lesson, Rule};
 pub use logistic::Logistic;
 pub use perceptron::Perceptron;
 pub use tabular::Tabular;
+pub use tree::FilterTree;
 pub use wap::Wap;
 
 use crate::policy::Classifier;

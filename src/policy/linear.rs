@@ -13,6 +13,9 @@ pub enum Columns {
     /// One per pair of actions i < j, (0,1), (0,2), ..., (1,2), ...: positive where i is better. An action's score is how many of the
     /// legal others it beats.
     Pairs,
+    /// One per match of a balanced single-elimination tournament: where actions i..k split before j, column j-1, positive where the winner
+    /// of i..j is better than that of j..k. The champion's score is 1, all others' 0.
+    Tree,
 }
 
 impl Columns {
@@ -21,6 +24,7 @@ impl Columns {
         match self {
             Columns::Actions => actions,
             Columns::Pairs => actions * actions.saturating_sub(1) / 2,
+            Columns::Tree => actions.saturating_sub(1),
         }
     }
 
@@ -252,10 +256,48 @@ impl LinearMemory {
     }
 }
 
-/// How many legal others each action beats, from the columns of all pairs.
-pub(crate) fn votes(actions: usize, columns: &[f32], legal: Actions<'_>, votes: &mut Vec<f32>) {
+/// The champion of the legal actions' tournament; every match, its column and the two that meet, is shown to `watch`. Of equals
+/// the left one wins.
+pub(crate) fn tournament(
+    actions: usize,
+    columns: &[f32],
+    legal: Actions<'_>,
+    watch: &mut impl FnMut(usize, Action, Action),
+) -> Option<Action> {
+    fn winner(
+        range: std::ops::Range<usize>,
+        columns: &[f32],
+        legal: Actions<'_>,
+        watch: &mut impl FnMut(usize, Action, Action),
+    ) -> Option<Action> {
+        if range.len() <= 1 {
+            let action = Action(range.start as u32);
+            return (!range.is_empty() && legal.contains(action)).then_some(action);
+        }
+        let middle = range.start.midpoint(range.end);
+        let left = winner(range.start..middle, columns, legal, watch);
+        let right = winner(middle..range.end, columns, legal, watch);
+        match (left, right) {
+            (Some(left), Some(right)) => {
+                watch(middle - 1, left, right);
+                Some(if columns[middle - 1] >= 0.0 { left } else { right })
+            }
+            (left, right) => left.or(right),
+        }
+    }
+    winner(0..actions, columns, legal, watch)
+}
+
+/// The scores of actions from columns that are not theirs: how many legal others each beats in pairs, or who is champion of the tree.
+pub(crate) fn votes(of: Columns, actions: usize, columns: &[f32], legal: Actions<'_>, votes: &mut Vec<f32>) {
     votes.clear();
     votes.resize(actions, 0.0);
+    if of == Columns::Tree {
+        if let Some(champion) = tournament(actions, columns, legal, &mut |_, _, _| {}) {
+            votes[champion.index()] = 1.0;
+        }
+        return;
+    }
     for (place, Action(i)) in legal.iter().enumerate() {
         for Action(j) in legal.iter().skip(place + 1) {
             let better = if columns[Columns::pair(actions, i as usize, j as usize)] >= 0.0 { i } else { j };
@@ -271,9 +313,9 @@ impl Classifier<Features> for Linear {
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
         match self.columns {
             Columns::Actions => &memory.sum(&self.weights, sight)[..self.actions],
-            Columns::Pairs => {
+            columns => {
                 let mut counts = std::mem::take(&mut memory.votes);
-                votes(self.actions, memory.sum(&self.weights, sight), sight.legal, &mut counts);
+                votes(columns, self.actions, memory.sum(&self.weights, sight), sight.legal, &mut counts);
                 memory.votes = counts;
                 &memory.votes
             }

@@ -6,8 +6,8 @@ mod linear;
 mod mixture;
 
 pub use ladder::Ladder;
-pub(crate) use linear::votes;
 pub use linear::{Columns, Linear, LinearMemory, Weights};
+pub(crate) use linear::{tournament, votes};
 pub use mixture::{Member, Mixture, MixtureMemory, Reading};
 
 use crate::space::{Action, Problem, Sight, View, ViewOf};

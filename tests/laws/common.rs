@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::RngSeed;
 use rollin::corpus::Corpus;
-use rollin::learner::{Csoaa, Logistic, Perceptron, Wap};
+use rollin::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
 use rollin::space::Sight;
@@ -141,6 +141,7 @@ pub fn learners() -> Vec<AnyLearner> {
         AnyLearner::Logistic(Logistic::default()),
         AnyLearner::Csoaa(Csoaa::default()),
         AnyLearner::Wap(Wap::default()),
+        AnyLearner::FilterTree(FilterTree::default()),
     ]
 }
 

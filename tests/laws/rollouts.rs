@@ -26,6 +26,7 @@ fn naive_choice(space: &Tagging, state: &Position, classifier: &Linear) -> Actio
     let legal: Vec<Action> = space.legal(state).iter().collect();
     let score = |a: Action| match classifier.columns {
         Columns::Actions => sums[a.index()],
+        Columns::Tree => unreachable!("no tree is grown here"),
         Columns::Pairs => {
             let beats = |b: &&Action| match a.cmp(b) {
                 std::cmp::Ordering::Less => sums[Columns::pair(space.actions(), a.index(), b.index())] >= 0.0,

@@ -3,7 +3,7 @@
 use super::TaggingProblem;
 use super::tagger::Learned;
 use crate::error::Result;
-use crate::learner::{Csoaa, Logistic, Online, Perceptron, Wap};
+use crate::learner::{Csoaa, FilterTree, Logistic, Online, Perceptron, Wap};
 use crate::policy::Linear;
 use crate::roll::Shortcut;
 use crate::space::Features;
@@ -43,6 +43,8 @@ pub enum AnyLearner {
     Csoaa(Csoaa),
     /// [`Wap`].
     Wap(Wap),
+    /// [`FilterTree`].
+    FilterTree(FilterTree),
 }
 
 impl Trainer {
@@ -56,6 +58,7 @@ impl Trainer {
             AnyLearner::Logistic(learner) => self.train_with(problem, learner, run),
             AnyLearner::Csoaa(learner) => self.train_with(problem, learner, run),
             AnyLearner::Wap(learner) => self.train_with(problem, learner, run),
+            AnyLearner::FilterTree(learner) => self.train_with(problem, learner, run),
         }
     }
 
