@@ -306,6 +306,9 @@ pub struct LearnerOptions {
     /// L2 penalty per example, for every learner but the perceptron [default: 0]
     #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
+    /// Probability of a mistake below which logistic leaves an example alone: more is faster [default: 0.05]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    tolerance: Option<f32>,
 }
 
 impl LearnerOptions {
@@ -327,6 +330,12 @@ impl LearnerOptions {
         if let Some(l2) = self.l2.filter(|l2| !(*l2 >= 0.0 && l2.is_finite())) {
             return Err(Error::argument("--l2", l2, "0 or more"));
         }
+        if let Some(tolerance) = self.tolerance.filter(|tolerance| !(*tolerance >= 0.0 && *tolerance < 1.0)) {
+            return Err(Error::argument("--tolerance", tolerance, "at least 0 and below 1"));
+        }
+        if self.tolerance.is_some() && self.learner != LearnerName::Logistic {
+            return Err(Error::argument("--tolerance", "given", "left out: only logistic has this setting"));
+        }
         let given =
             |passes, rate, l2| (self.passes.unwrap_or(passes), self.rate.unwrap_or(rate), self.l2.unwrap_or(l2));
         Ok(match self.learner {
@@ -340,7 +349,8 @@ impl LearnerOptions {
             LearnerName::Logistic => {
                 let default = Logistic::default();
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
-                AnyLearner::Logistic(Logistic { passes, rate, l2 })
+                let tolerance = self.tolerance.unwrap_or(default.tolerance);
+                AnyLearner::Logistic(Logistic { passes, rate, l2, tolerance })
             }
             LearnerName::Csoaa => {
                 let default = Csoaa::default();

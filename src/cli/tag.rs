@@ -26,7 +26,7 @@ pub struct Tag {
 }
 
 /// Lines tagged at a time: enough to keep all threads busy.
-const BLOCK: usize = 16_384;
+const BLOCK: usize = 65_536;
 
 impl Tag {
     pub fn run(&self, global: &Global) -> Result<()> {

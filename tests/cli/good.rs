@@ -104,10 +104,10 @@ fn long_inputs_are_tagged_as_their_sentences_are() {
         .collect();
     let alone: Vec<String> =
         sentences.iter().map(|sentence| folder.run_on("tag --model m", sentence.as_str())).collect();
-    // More than two blocks of 16,384 lines.
-    let repeated = |of: &[String]| (0..2500).flat_map(|_| of).fold(String::new(), |all, one| all + one + "\n");
+    // More than two blocks of 65,536 lines.
+    let repeated = |of: &[String]| (0..10_000).flat_map(|_| of).fold(String::new(), |all, one| all + one + "\n");
     let input = repeated(&sentences);
-    assert!(input.lines().count() > 2 * 16_384);
+    assert!(input.lines().count() > 2 * 65_536);
     assert!(folder.run_on("tag --model m", input.as_str()) == repeated(&alone));
     assert!(folder.run_on("tag --model m --threads 1", input) == repeated(&alone));
 }
@@ -119,9 +119,9 @@ fn sampled_mixtures_draw_by_sentence_and_not_by_block() {
     let grammar = shipped("grammars/dialects.grammar");
     folder.put("t.txt", folder.run(&format!("generate --grammar {grammar} --count 40")));
     folder.run("train --data t.txt --model m --algorithm smile --learner perceptron --reading sampled --rounds 4");
-    folder.put("long.txt", folder.run(&format!("generate --grammar {grammar} --count 2000 --seed 2")));
+    folder.put("long.txt", folder.run(&format!("generate --grammar {grammar} --count 8000 --seed 2")));
     let tagged = folder.run_on("tag --model m", folder.get("long.txt"));
-    assert!(tagged.lines().count() > 2 * 16_384);
+    assert!(tagged.lines().count() > 2 * 65_536);
     let columns = tagged.lines().map(|line| line.split(' ').collect::<Vec<_>>()).filter(|line| line.len() == 3);
     let right = columns.filter(|line| line[1] == line[2]).count();
     assert_eq!(folder.json("evaluate --model m --data long.txt --json")["right"], right);

@@ -106,7 +106,7 @@ fn a_stream_keeps_its_columns() {
     folder.put("t", TAGS);
     folder.run("train --data t --model m");
     let sentence = "the D\nold A\n\n";
-    let block = sentence.repeat(16_384 / 3);
+    let block = sentence.repeat(65_536 / 3);
     let lines = block.lines().count();
     for (line, columns) in [("a X Y", 3), ("a", 1)] {
         let output =

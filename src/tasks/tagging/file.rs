@@ -205,7 +205,7 @@ fn classifier(
     let numbers = arrays.take::<4>(count).ok_or("it ends within a list of features")?;
     let all = width.checked_mul(count).ok_or("a classifier is too large")?;
     let values = arrays.take::<4>(all).ok_or("it ends within a classifier's weights")?;
-    let mut weights = Weights::new(features, width, 1);
+    let mut weights = Weights::new(features, width);
     weights.reserve(count);
     for (i, number) in numbers.iter().enumerate() {
         let feature = u32::from_le_bytes(*number);
