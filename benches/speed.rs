@@ -169,7 +169,7 @@ fn score(c: &mut Criterion, bench: &Bench) {
                 job();
                 start.elapsed().as_secs_f64()
             };
-            clock(&|| drop(black_box(gather()))) / clock(&|| drop(black_box(roll())))
+            clock(&|| _ = black_box(gather())) / clock(&|| _ = black_box(roll()))
         })
         .collect();
     times.sort_by(f64::total_cmp);

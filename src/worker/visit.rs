@@ -148,13 +148,13 @@ impl<'v, P: Problem> Visit<'v, P> {
         let mut state = self.state.clone();
         let mut action = action;
         // The costs of the steps, and which states they led to.
-        let mut steps: Vec<(f64, Option<u64>, Ledger)> = Vec::new();
-        let mut rest = Rest { cost: 0.0, bill: Ledger::default() };
+        let mut trail = memo.as_mut().map(|memo| std::mem::take(&mut memo.trail)).unwrap_or_default();
+        let mut rest = Rest::default();
         for t in self.t + 1.. {
             self.ledger.steps += 1;
             let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
             let signature = memo.as_ref().and_then(|_| space.signature(&state));
-            steps.push((cost, signature, *self.ledger));
+            trail.push((cost, signature, *self.ledger));
             if let Some(known) = signature.and_then(|signature| memo.as_ref()?.find(t, signature)) {
                 rest = known;
                 *self.ledger += known.bill;
@@ -168,11 +168,14 @@ impl<'v, P: Problem> Visit<'v, P> {
         }
         // From the end, as a table of costs-to-go would add them.
         let after = *self.ledger;
-        for (place, (cost, signature, then)) in steps.into_iter().enumerate().rev() {
+        for (place, (cost, signature, then)) in trail.drain(..).enumerate().rev() {
             if let (Some(memo), Some(signature)) = (&mut memo, signature) {
                 memo.keep(self.t + 1 + place, signature, Rest { cost: rest.cost, bill: after - then });
             }
             rest.cost += cost;
+        }
+        if let Some(memo) = memo {
+            memo.trail = trail;
         }
         rest.cost
     }

@@ -214,6 +214,7 @@ impl Encoding {
             transitions: self.transitions.clone(),
             labels: self.labels.len(),
             history: self.history.clone(),
+            far: Tagging::farthest(&self.history),
             contexts: rows.contexts,
         }
     }

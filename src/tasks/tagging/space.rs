@@ -65,6 +65,8 @@ pub struct Tagging {
     pub(super) transitions: Arc<Transitions>,
     pub(super) labels: usize,
     pub(super) history: Arc<[HistoryLine]>,
+    /// How many labels back the future of a state depends on; `None` if they do not fit into a signature.
+    pub(super) far: Option<usize>,
     /// `contexts[token * history.len() + line]`
     pub(super) contexts: Vec<u32>,
 }
@@ -98,6 +100,12 @@ impl Tagging {
     /// Which label may follow which.
     pub fn transitions(&self) -> &Transitions {
         &self.transitions
+    }
+
+    /// How many labels back features of these lines, or else the order of labels, look, if as many fit into 64 bits.
+    pub(super) fn farthest(history: &[HistoryLine]) -> Option<usize> {
+        let far = history.iter().flat_map(|line| &line.back).copied().max().unwrap_or(1).max(1) as usize;
+        (far <= MAX_ORDER.min(4)).then_some(far)
     }
 
     /// How many labels are wrong at best from `token` to `end`, after `previous`: until the right label is legal again all are, and
@@ -165,8 +173,7 @@ impl Space for Tagging {
     /// The labels that history features and the order of labels look at, where they fit.
     #[inline]
     fn signature(&self, state: &Position) -> Option<u64> {
-        let far = self.history.iter().flat_map(|line| &line.back).copied().max().unwrap_or(1).max(1) as usize;
-        let labels = state.history.get(..far).filter(|labels| labels.len() <= 4)?;
+        let labels = &state.history[..self.far?];
         Some(labels.iter().fold(0, |packed, label| packed << 16 | u64::from(*label)))
     }
 
