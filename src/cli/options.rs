@@ -129,10 +129,10 @@ pub enum LearnerName {
 #[derive(Args)]
 #[command(next_help_heading = "The learner")]
 pub struct LearnerOptions {
-    /// What fits a classifier to the expert's answers
+    /// What fits a classifier to the expert's answers; not for early-update, which learns by itself
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits; dagger-online makes one a round whatever is given [default: 5, wap 3]
+    /// Passes over the examples each time the learner fits; dagger-online and lols-online make one a round whatever is given [default: 5, wap 3]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
     /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap and filter-tree 0.2]

@@ -146,10 +146,10 @@ impl<S: Space, E: CostToGo<S>> CostToGo<S> for Partly<E> {
 /// Questions come in the order of the episodes on one thread only.
 ///
 /// ```
-/// use rollin::space::{Episode, Expert, Space, doc::RealWorld, experts::Person};
+/// use rollin::space::{Episode, Expert, Space, doc::{Moment, RealWorld}, experts::Person};
 ///
 /// let mut screen = Vec::new();
-/// let person = Person::new(&b"7\n2\n"[..], &mut screen, |_: &RealWorld, moment| format!("{moment:?}"));
+/// let person = Person::new(&b"7\n2\n"[..], &mut screen, |_: &RealWorld, moment: &Moment| format!("{moment:?}"));
 /// let moment = RealWorld.start(Episode { index: 0, seed: rollin::Seed::new(1) });
 /// assert_eq!(person.action(&RealWorld, &moment), Some(rollin::space::Action(2)));
 /// person.finish()?;

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// use rollin::trainer::{EarlyUpdate, Run};
 ///
 /// let problem = tagging::doc::problem()?;
-/// let trained = EarlyUpdate { width: 4, rounds: 5 }.train(&problem, &Run::new(1))?;
+/// let trained = EarlyUpdate { width: 4, rounds: 20 }.train(&problem, &Run::new(1))?;
 /// assert_eq!(trained.ledger.labels, 15);
 /// let (done, _) = trained.policy.perform(&problem, rollin::Seed::new(1));
 /// assert_eq!(done.costs.iter().sum::<f64>(), 0.0);
