@@ -30,6 +30,8 @@ pub enum Purpose {
     Evaluation = 8,
     /// Which action a deviation tries, where it does not try them all.
     Deviation = 9,
+    /// An expert's own randomness at a step.
+    Expert = 10,
 }
 
 /// A small copyable node of the seed tree.

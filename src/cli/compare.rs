@@ -1,6 +1,7 @@
 //! `rollin compare`
 
-use super::options::{Algorithm, LearnerOptions, Reading, TrainerOptions, check_columns, read_corpus};
+use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
+use super::options::{LearnerOptions, Reading, check_columns, read_corpus};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
@@ -24,6 +25,7 @@ use std::path::{Path, PathBuf};
 /// Without --data this runs on two corpora that are part of the program, drawn from a grammar, for which the best possible accuracy
 /// is known exactly.
 #[derive(Args)]
+#[command(after_help = RECIPES)]
 pub struct Compare {
     /// What to learn from, one token a line as for `rollin train` (- for standard input) [default: a corpus in the program]
     #[arg(long, value_name = "FILE")]

@@ -23,7 +23,7 @@ impl Inspect {
         let (encoding, about) = (&tagger.encoding, &tagger.about);
         let weights: Vec<f64> = match &tagger.policy {
             Learned::Mixture(mixture) => mixture.members().iter().map(|(weight, _)| *weight).collect(),
-            Learned::Ladder(_) => Vec::new(),
+            Learned::Ladder(_) | Learned::Beam(_) | Learned::Stacked(_) => Vec::new(),
         };
         let (kind, reading) = match &tagger.policy {
             Learned::Mixture(mixture) if mixture.members().len() == 1 => ("one classifier", String::new()),
@@ -31,6 +31,8 @@ impl Inspect {
                 ("mixture", format!(", read as {}", to_json(&mixture.reading()).trim_matches('"')))
             }
             Learned::Ladder(_) => ("one classifier per step", String::new()),
+            Learned::Beam(beam) => ("one classifier with a beam", format!(", {} wide", beam.width)),
+            Learned::Stacked(stages) => ("two stages", format!(", window {}", stages.window)),
         };
         let rows: Vec<usize> = tagger.policy.classifiers().iter().map(|c| c.weights.len()).collect();
         if global.json {

@@ -3,6 +3,7 @@
 //! What a command computes goes to standard output, progress and errors to standard error. Bad input ends with exit code 2 and one
 //! message.
 
+mod algorithms;
 mod compare;
 mod evaluate;
 mod generate;

@@ -4,8 +4,7 @@ use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
 use crate::read::{conll, template::Template};
-use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order, Trainer};
-use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
+use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order};
 use clap::{Args, ValueEnum};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -111,31 +110,6 @@ pub fn order_name(order: Order) -> &'static str {
     }
 }
 
-/// A trainer's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Algorithm {
-    /// Imitate the expert on the expert's own states
-    Supervised,
-    /// One classifier per step (Ross & Bagnell 2010, Algorithm 3.1)
-    Forward,
-    /// Stochastic mixing iterative learning (Algorithm 4.1)
-    Smile,
-    /// Search and learn, rolling out every action
-    Searn,
-    /// SEARN with the expert's own cost-to-go in place of roll-outs
-    SearnShortcut,
-    /// Dataset aggregation: fit anew on all labels after each round
-    Dagger,
-    /// Dataset aggregation with one online learner that goes on learning
-    DaggerOnline,
-}
-
-impl Algorithm {
-    pub fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-    }
-}
-
 /// A learner's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LearnerName {
@@ -151,153 +125,14 @@ pub enum LearnerName {
     FilterTree,
 }
 
-/// How SMILe reuses samples, on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReuseName {
-    /// Not at all: Algorithm 4.1
-    None,
-    /// Algorithm 4.2 as printed
-    #[value(name = "4.2")]
-    Printed42,
-    /// Algorithm 4.3 as printed
-    #[value(name = "4.3")]
-    Printed43,
-    /// The exact form of 4.2
-    R1,
-    /// The exact form of 4.3
-    R2,
-    /// Exact, with the fewest new samples
-    Ageing,
-}
-
-impl From<ReuseName> for Reuse {
-    fn from(name: ReuseName) -> Self {
-        match name {
-            ReuseName::None => Reuse::None,
-            ReuseName::Printed42 => Reuse::Printed42,
-            ReuseName::Printed43 => Reuse::Printed43,
-            ReuseName::R1 => Reuse::Coins,
-            ReuseName::R2 => Reuse::Sites,
-            ReuseName::Ageing => Reuse::Ageing,
-        }
-    }
-}
-
-/// A trainer's settings.
-#[derive(Args)]
-#[command(next_help_heading = "The algorithm's settings")]
-pub struct TrainerOptions {
-    /// Rounds of smile [default: 7], searn, searn-shortcut, dagger and dagger-online [default: 5]
-    #[arg(long, value_name = "N")]
-    rounds: Option<usize>,
-    /// Mixing rate of smile, above 0 and at most 1 [default: 0.2]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    alpha: Option<f64>,
-    /// How smile reuses samples of earlier rounds; `--reuse` alone means ageing [default: none]
-    #[arg(long, value_enum, value_name = "HOW", num_args = 0..=1, default_missing_value = "ageing")]
-    reuse: Option<ReuseName>,
-    /// Mixing rate of searn and searn-shortcut, above 0 and at most 1 [default: 0.3]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    beta: Option<f64>,
-    /// Roll-outs of searn for each action [default: 1]
-    #[arg(long, value_name = "N")]
-    rollouts: Option<usize>,
-    /// Steps of forward that get a classifier of their own [default: 256]
-    #[arg(long, value_name = "N")]
-    longest: Option<usize>,
-    /// Let each new classifier start from the one before (not for supervised and dagger-online)
-    #[arg(long)]
-    warm: bool,
-}
-
-impl TrainerOptions {
-    /// Refuses a setting that is out of its range, or given though none of the trainers of these names has it.
-    pub fn check(&self, algorithms: &[Algorithm]) -> Result<()> {
-        let settings: Vec<_> = algorithms.iter().map(|algorithm| self.settings(*algorithm)).collect();
-        for i in 0..settings.first().map_or(0, |all| all.len()) {
-            let (name, given, _) = settings[0][i];
-            if given && !settings.iter().any(|all| all[i].2) {
-                let names: Vec<String> = algorithms.iter().map(|a| a.name()).collect();
-                let have = if names.len() == 1 { "has" } else { "have" };
-                let expected = format!("left out: {} {have} no such setting", names.join(", "));
-                return Err(Error::argument(name, "given", expected));
-            }
-        }
-        let counts = [("--rounds", self.rounds), ("--rollouts", self.rollouts), ("--longest", self.longest)];
-        if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
-            return Err(Error::argument(name, 0, "at least 1"));
-        }
-        for (name, rate) in [("--alpha", self.alpha), ("--beta", self.beta)] {
-            if let Some(rate) = rate.filter(|rate| !(*rate > 0.0 && *rate <= 1.0)) {
-                return Err(Error::argument(name, rate, "above 0 and at most 1"));
-            }
-        }
-        Ok(())
-    }
-
-    /// Each setting's name, whether it is given, and whether `algorithm` has it.
-    fn settings(&self, algorithm: Algorithm) -> [(&'static str, bool, bool); 7] {
-        use Algorithm::{DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U};
-        [
-            ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F)),
-            ("--alpha", self.alpha.is_some(), algorithm == M),
-            ("--reuse", self.reuse.is_some(), algorithm == M),
-            ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut)),
-            ("--rollouts", self.rollouts.is_some(), algorithm == S),
-            ("--longest", self.longest.is_some(), algorithm == F),
-            ("--warm", self.warm, !matches!(algorithm, U | DaggerOnline)),
-        ]
-    }
-
-    /// The trainer of this name with these settings.
-    pub fn trainer(&self, algorithm: Algorithm) -> Trainer {
-        use Algorithm::{
-            Dagger as D, DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U,
-        };
-        let searn = || {
-            let default = Searn::default();
-            Searn {
-                beta: self.beta.unwrap_or(default.beta),
-                rounds: self.rounds.unwrap_or(default.rounds),
-                samples: self.rollouts.unwrap_or(default.samples),
-                warm: self.warm,
-            }
-        };
-        let dagger = || {
-            let default = Dagger::default();
-            Dagger { rounds: self.rounds.unwrap_or(default.rounds), warm: self.warm }
-        };
-        match algorithm {
-            U => Trainer::Supervised(Supervised {}),
-            F => {
-                let longest = self.longest.unwrap_or(Forward::default().longest);
-                Trainer::Forward(Forward { warm: self.warm, longest })
-            }
-            M => {
-                let default = Smile::default();
-                Trainer::Smile(Smile {
-                    alpha: self.alpha.unwrap_or(default.alpha),
-                    rounds: self.rounds.unwrap_or(default.rounds),
-                    warm: self.warm,
-                    reuse: self.reuse.map_or(default.reuse, Reuse::from),
-                })
-            }
-            S => Trainer::Searn(searn()),
-            SearnShortcut => Trainer::SearnShortcut(searn()),
-            D => Trainer::Dagger(dagger()),
-            DaggerOnline => Trainer::DaggerOnline(dagger()),
-        }
-    }
-}
-
 /// A learner with its settings.
 #[derive(Args)]
 #[command(next_help_heading = "The learner")]
 pub struct LearnerOptions {
-    /// What fits a classifier to the expert's answers
+    /// What fits a classifier to the expert's answers; not for early-update, which learns by itself
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits; dagger-online makes one a round whatever is given [default: 5, wap 3]
+    /// Passes over the examples each time the learner fits; dagger-online and lols-online make one a round whatever is given [default: 5, wap 3]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
     /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap and filter-tree 0.2]

@@ -1,6 +1,7 @@
 //! `rollin train`
 
-use super::options::{Algorithm, LearnerOptions, Reading, ReadingName, TrainerOptions, order_name};
+use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
+use super::options::{LearnerOptions, Reading, ReadingName, order_name};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
@@ -8,12 +9,13 @@ use crate::output::check_writable;
 use crate::report::{Table, grouped};
 use crate::seed::Seed;
 use crate::tasks::tagging::{About, Encoding, Tagger};
-use crate::trainer::Run;
+use crate::trainer::{Progress, Run};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Train a tagger and write its model file.
 #[derive(Args)]
+#[command(after_help = RECIPES)]
 pub struct Train {
     /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence (- for
     /// standard input)
@@ -25,7 +27,7 @@ pub struct Train {
     /// The algorithm that decides at which states the expert is asked
     #[arg(long, value_enum, default_value = "dagger-online", value_name = "NAME")]
     algorithm: Algorithm,
-    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn)
+    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn, cpi)
     #[arg(long, value_enum, default_value = "mean", value_name = "NAME")]
     reading: ReadingName,
     #[command(flatten)]
@@ -41,8 +43,8 @@ impl Train {
         self.trainer.check(&[self.algorithm])?;
         let trainer = self.trainer.trainer(self.algorithm);
         let learner = self.learner.learner()?;
-        if self.algorithm == Algorithm::DaggerOnline {
-            self.learner.refuse_passes("dagger-online makes one pass a round; use --rounds")?;
+        if matches!(self.algorithm, Algorithm::DaggerOnline | Algorithm::LolsOnline | Algorithm::EarlyUpdate) {
+            self.learner.refuse_passes(&format!("{} makes one pass a round; use --rounds", self.algorithm.name()))?;
         }
         if same_file(&self.model, &self.data) {
             return Err(Error::argument("--model", self.model.display(), "another file than --data"));
@@ -60,7 +62,7 @@ impl Train {
 
         let about = About {
             trainer: to_json(&trainer),
-            learner: to_json(&learner),
+            learner: if self.algorithm == Algorithm::EarlyUpdate { "none".into() } else { to_json(&learner) },
             seed: global.seed,
             data: self.data.display().to_string(),
             sentences: corpus.sentences(),
@@ -79,17 +81,7 @@ impl Train {
                 "features": tagger.encoding.features(),
             }));
         }
-        let mut table = Table::new(["round", "cost per sentence", "labels", "expert acts", "roll-out acts", "seconds"]);
-        for round in &trained.rounds {
-            table.row([
-                round.round.to_string(),
-                if round.cost.is_nan() { "-".into() } else { format!("{:.3}", round.cost) },
-                grouped(round.ledger.labels as f64),
-                grouped(round.ledger.expert_acts as f64),
-                grouped(round.ledger.rollout_acts as f64),
-                format!("{:.2}", round.seconds),
-            ]);
-        }
+        let table = rounds(&trained.rounds);
         print(&format!(
             "{} sentences, {} tokens, {} labels, order {}\n\n{table}\nwrote {}\n",
             grouped(corpus.sentences() as f64),
@@ -99,6 +91,29 @@ impl Train {
             self.model.display(),
         ))
     }
+}
+
+/// How training went, round by round; regrets where there are any.
+fn rounds(rounds: &[Progress]) -> Table {
+    let regrets = rounds.iter().any(|round| round.regret.is_some());
+    let mut headings = vec!["round", "cost per sentence"];
+    headings.extend(regrets.then_some(["regret to the expert", "to deviations"]).into_iter().flatten());
+    headings.extend(["labels", "expert acts", "roll-out acts", "seconds"]);
+    let mut table = Table::new(headings);
+    let cell = |cost: Option<f64>| cost.filter(|c| !c.is_nan()).map_or("-".to_owned(), |cost| format!("{cost:.3}"));
+    for round in rounds {
+        let mut cells = vec![round.round.to_string(), cell(Some(round.cost))];
+        let regret = round.regret.unwrap_or_default();
+        cells.extend(regrets.then_some([cell(regret.reference), cell(regret.deviations)]).into_iter().flatten());
+        cells.extend([
+            grouped(round.ledger.labels as f64),
+            grouped(round.ledger.expert_acts as f64),
+            grouped(round.ledger.rollout_acts as f64),
+            format!("{:.2}", round.seconds),
+        ]);
+        table.row(cells);
+    }
+    table
 }
 
 /// Whether both are there and are one file.

@@ -1,7 +1,7 @@
 //! What all linear learners share: passes over the examples, descent along a gradient in the columns, averaging.
 
 use super::{Examples, Learner, Online, Setting, Target};
-use crate::policy::{Columns, Linear, Weights, votes};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, votes};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, Features, Sight};
 use rand::seq::SliceRandom;
@@ -161,6 +161,15 @@ fn adaptive(rate: f32, l2: f32, when: f32, g: Block, now: (Block, Block, Block))
     (w, u, s)
 }
 
+/// The weights as they are now, not their average. A memory serves until the course learns again.
+impl Classifier<Features> for Course {
+    type Memory = LinearMemory;
+
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        memory.scores(self.columns, self.actions, &self.weights, sight)
+    }
+}
+
 impl<R: Rule> Learner<Features> for R {
     type Classifier = Linear;
 
@@ -231,6 +240,15 @@ impl<R: Rule> Online<Features> for R {
             course.learn(self, fixed, dynamic, sight.legal, target);
         }
         choice
+    }
+
+    fn study(&self, course: &mut Course, setting: Setting<'_, Features>, examples: &Examples<Features>) {
+        for i in 0..examples.len() {
+            let (row, dynamic) = examples.views().get(i);
+            let fixed = setting.shared.row(row);
+            course.score(fixed, dynamic);
+            course.learn(self, fixed, dynamic, examples.legal(i), examples.target(i));
+        }
     }
 
     fn finish(&self, course: Course) -> Linear {

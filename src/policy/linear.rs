@@ -81,7 +81,13 @@ impl Weights {
     /// The weights of `feature` and their padding, if it has any.
     #[inline]
     pub fn row(&self, feature: u32) -> Option<&[f32]> {
-        self.place(feature).map(|place| &self.rows[place * self.stride..(place + 1) * self.stride])
+        self.place(feature).map(|place| self.at(place))
+    }
+
+    /// The row at `place`.
+    #[inline]
+    pub(crate) fn at(&self, place: usize) -> &[f32] {
+        &self.rows[place * self.stride..(place + 1) * self.stride]
     }
 
     /// The weights of `feature` and their padding; zeros are made for it when it has none.
@@ -256,6 +262,26 @@ impl LinearMemory {
         weights.add_to(&sight.view.dynamic, &mut self.sums);
         &self.sums
     }
+
+    /// One score an action, by weights whose columns stand for `columns`.
+    #[inline]
+    pub(crate) fn scores<'m>(
+        &'m mut self,
+        columns: Columns,
+        actions: usize,
+        weights: &Weights,
+        sight: &Sight<'_, Features>,
+    ) -> &'m [f32] {
+        match columns {
+            Columns::Actions => &self.sum(weights, sight)[..actions],
+            columns => {
+                let mut counts = std::mem::take(&mut self.votes);
+                votes(columns, actions, self.sum(weights, sight), sight.legal, &mut counts);
+                self.votes = counts;
+                &self.votes
+            }
+        }
+    }
 }
 
 /// The champion of the legal actions' tournament; every match, its column and the two that meet, is shown to `watch`. Of equals
@@ -313,14 +339,6 @@ impl Classifier<Features> for Linear {
 
     #[inline]
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
-        match self.columns {
-            Columns::Actions => &memory.sum(&self.weights, sight)[..self.actions],
-            columns => {
-                let mut counts = std::mem::take(&mut memory.votes);
-                votes(columns, self.actions, memory.sum(&self.weights, sight), sight.legal, &mut counts);
-                memory.votes = counts;
-                &memory.votes
-            }
-        }
+        memory.scores(self.columns, self.actions, &self.weights, sight)
     }
 }

@@ -206,6 +206,17 @@ fn settings_out_of_range() {
         ("supervised --alpha 0.5", "--alpha is given, but must be left out: supervised has no such setting"),
         ("supervised --rounds 2", "--rounds is given, but must be left out: supervised has no such setting"),
         ("dagger-online --warm", "--warm is given, but must be left out: dagger-online has no such setting"),
+        ("lols-online --warm", "--warm is given, but must be left out: lols-online has no such setting"),
+        ("stacked --rounds 2", "--rounds is given, but must be left out: stacked has no such setting"),
+        ("searn --schedule first", "--schedule is given, but must be left out: searn has no such setting"),
+        ("searn --conservative", "--conservative is given, but must be left out: searn has no such setting"),
+        ("cpi --reference 0.5", "--reference is given, but must be left out: cpi has no such setting"),
+        ("cpi --beta 0", "--beta is 0, but must be above 0 and at most 1"),
+        ("lols --reference 1.5", "--reference is 1.5, but must be from 0 to 1"),
+        ("lols --reference nan", "--reference is NaN, but must be from 0 to 1"),
+        ("stacked --folds 1", "--folds is 1, but must be at least 2"),
+        ("stacked --window 65", "--window is 65, but must be from 0 to 64"),
+        ("early-update --width 0", "--width is 0, but must be from 1 to 1024"),
         ("smile --beta 0.5", "--beta is given, but must be left out: smile has no such setting"),
         (
             "searn-shortcut --rollouts 2",
@@ -224,6 +235,10 @@ fn settings_out_of_range() {
         "compare --data t --algorithms smile,dagger --beta 0.5",
         "--beta is given, but must be left out: smile, dagger have no such setting",
     );
+    let schedule = folder.refused("train --data t --model m --algorithm dagger --schedule linear:0");
+    assert!(schedule.contains("linear over 0 rounds, but must be at least 1 round"), "{schedule}");
+    let both = folder.refused("train --data t --model m --algorithm cpi --conservative --beta 0.5");
+    assert!(both.contains("cannot be used with"), "{both}");
     for command in ["tag --model m --json", "generate --grammar g --count 1 --json"] {
         let message = folder.refused(command);
         assert!(message.starts_with("error: --json is given, but must be left out: "), "{message}");

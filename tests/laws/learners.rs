@@ -3,9 +3,9 @@
 use crate::common::{Labels, learners, problem, sample, tokens, trainers};
 use rollin::learner::{Csoaa, Examples, Learner, Lesson, Logistic, Online, Perceptron, Rule, Setting, Target, Wap};
 use rollin::policy::{Classifier, Columns, Linear};
-use rollin::roll::perform;
 use rollin::space::Sight;
 use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Space};
+use rollin::tasks::tagging::Trainer;
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
 use rollin::{Purpose, Seed};
 use std::sync::Mutex;
@@ -228,9 +228,11 @@ fn every_trainer_with_every_learner_learns_an_easy_task() {
     for trainer in trainers() {
         for learner in learners() {
             let trained = trainer.train(&problem, &learner, &Run::new(1)).unwrap();
-            let (done, _) = perform(&problem, &trained.policy, Seed::new(2));
+            let (done, _) = trained.policy.perform_from(&problem, 0, Seed::new(2));
             let accuracy = 1.0 - done.costs.iter().sum::<f64>() / tokens(&problem) as f64;
-            assert!(accuracy > 0.95, "{trainer:?} with {learner:?}: {accuracy}");
+            // CPI learns from one state a sentence.
+            let least = if let Trainer::Cpi(_) = trainer { 0.8 } else { 0.95 };
+            assert!(accuracy > least, "{trainer:?} with {learner:?}: {accuracy}");
         }
     }
 }

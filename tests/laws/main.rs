@@ -12,4 +12,5 @@ mod learners;
 mod mixtures;
 mod policies;
 mod rollouts;
+mod search;
 mod threads;

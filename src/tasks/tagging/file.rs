@@ -11,13 +11,15 @@
 //! target and renamed, so a file that exists is whole.
 
 use super::encoding::{Dictionary, Encoding, MOST_LABELS};
-use super::space::MAX_ORDER;
+use super::space::{MAX_ORDER, Tagging};
 use super::tagger::{About, Learned, Tagger};
 use super::transitions::{Order, Transitions};
 use crate::error::{Error, Result};
 use crate::output::write_whole;
-use crate::policy::{Columns, Ladder, Linear, Mixture, Reading, Weights};
+use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Reading, Weights};
 use crate::read::template::Template;
+use crate::space::Stacked;
+use crate::trainer::{Beam, MOST_WIDTH, MOST_WINDOW, TwoStage};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
@@ -50,6 +52,8 @@ struct Header {
 enum Shape {
     Mixture { reading: Reading, weights: Vec<f64> },
     Ladder,
+    Beam { width: usize },
+    Stacked { window: usize },
 }
 
 impl Tagger {
@@ -70,6 +74,8 @@ impl Tagger {
                     weights: mixture.members().iter().map(|(weight, _)| *weight).collect(),
                 },
                 Learned::Ladder(_) => Shape::Ladder,
+                Learned::Beam(beam) => Shape::Beam { width: beam.width },
+                Learned::Stacked(stages) => Shape::Stacked { window: stages.window },
             },
             columns: self.columns(),
             rows: classifiers.iter().map(|c| c.weights.len()).collect(),
@@ -171,16 +177,38 @@ impl Tagger {
         };
         encoding.number_history().map_err(|error| broken(&error.to_string()))?;
 
+        let (actions, features) = (encoding.labels.len(), encoding.features());
+        let features = |place: usize| match header.policy {
+            Shape::Stacked { window } if place == 1 => {
+                Some(window).filter(|w| *w <= MOST_WINDOW).map(|w| features + Stacked::<Tagging>::more(actions, w))
+            }
+            _ => Some(features),
+        };
         let classifiers = header
             .rows
             .iter()
-            .map(|count| classifier(&encoding, header.columns, *count, &mut arrays).map_err(&broken))
-            .collect::<Result<Vec<_>>>()?;
+            .enumerate()
+            .map(|(place, count)| {
+                let features = features(place).ok_or("its window is too wide")?;
+                classifier((actions, features), header.columns, *count, &mut arrays)
+            })
+            .collect::<Result<Vec<_>, &str>>()
+            .map_err(&broken)?;
         if !arrays.rest.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
         }
         let policy = match header.policy {
             Shape::Ladder => Learned::Ladder(Ladder::of(classifiers)),
+            Shape::Beam { width } => match <[Linear; 1]>::try_from(classifiers) {
+                Ok([classifier]) if (1..=MOST_WIDTH).contains(&width) => Learned::Beam(Beam { classifier, width }),
+                _ => return Err(broken("it is no beam with one classifier")),
+            },
+            Shape::Stacked { window } => match <[Linear; 2]>::try_from(classifiers) {
+                Ok([first, second]) => {
+                    Learned::Stacked(TwoStage { first: Greedy(first), second: Greedy(second), window })
+                }
+                Err(_) => return Err(broken("it has not two stages")),
+            },
             Shape::Mixture { reading, weights } => {
                 if weights.len() != classifiers.len() {
                     return Err(broken("it has not as many weights as classifiers"));
@@ -195,12 +223,11 @@ impl Tagger {
 
 /// Reads one classifier: the numbers of its features, then their rows.
 fn classifier(
-    encoding: &Encoding,
+    (actions, features): (usize, usize),
     columns: Columns,
     count: usize,
     arrays: &mut Arrays<'_>,
 ) -> Result<Linear, &'static str> {
-    let (actions, features) = (encoding.labels.len(), encoding.features());
     let width = columns.count(actions);
     let numbers = arrays.take::<4>(count).ok_or("it ends within a list of features")?;
     let all = width.checked_mul(count).ok_or("a classifier is too large")?;

@@ -5,19 +5,26 @@ use super::space::Tagging;
 use crate::corpus::Corpus;
 use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
-use crate::roll::perform_from;
+use crate::roll::{self, Performance};
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Features, Imitation, Problem, Silent, Space};
+use crate::space::{Action, Features, Imitation, Problem, Silent, Space, StateOf};
+use crate::trainer::{Beam, Stages, TwoStage};
 use crate::worker::{Ledger, Visit};
 use serde::{Deserialize, Serialize};
 
 /// The policies that training can end with.
+///
+/// As a [`Policy`], step by step, a beam is one path wide and of two stages the first acts: [`Learned::perform_from`] does it all.
 #[derive(Clone, Debug)]
 pub enum Learned {
     /// A mixture, or a single classifier.
     Mixture(Mixture<Linear>),
     /// One classifier per step.
     Ladder(Ladder<Linear>),
+    /// A classifier that is searched with.
+    Beam(Beam<Linear>),
+    /// Two classifiers, of which the second sees what the first did.
+    Stacked(Stages<Linear>),
 }
 
 impl From<Greedy<Linear>> for Learned {
@@ -44,14 +51,20 @@ impl Learned {
         match self {
             Learned::Mixture(mixture) => mixture.members().iter().map(|(_, classifier)| classifier).collect(),
             Learned::Ladder(ladder) => ladder.steps().iter().collect(),
+            Learned::Beam(beam) => vec![&beam.classifier],
+            Learned::Stacked(stages) => vec![&stages.first.0, &stages.second.0],
         }
     }
 
     /// The same with every classifier replaced by what `change` makes of it.
-    pub fn map(self, change: impl FnMut(Linear) -> Linear) -> Self {
+    pub fn map(self, mut change: impl FnMut(Linear) -> Linear) -> Self {
         match self {
             Learned::Mixture(mixture) => Learned::Mixture(mixture.map(change)),
             Learned::Ladder(ladder) => Learned::Ladder(ladder.map(change)),
+            Learned::Beam(Beam { classifier, width }) => Learned::Beam(Beam { classifier: change(classifier), width }),
+            Learned::Stacked(TwoStage { first, second, window }) => {
+                Learned::Stacked(TwoStage { first: Greedy(change(first.0)), second: Greedy(change(second.0)), window })
+            }
         }
     }
 
@@ -74,7 +87,20 @@ impl Learned {
                 }
                 Learned::Mixture(mixture.read_as(reading))
             }
-            ladder => ladder,
+            other => other,
+        }
+    }
+
+    /// What it does in the problem's episodes, a part of a longer series that starts with its episode number `first`.
+    pub fn perform_from<P: Problem>(&self, problem: &P, first: usize, seed: Seed) -> (Performance, Ledger)
+    where
+        P::Space: Space<View = Features>,
+        StateOf<P>: Clone,
+    {
+        match self {
+            Learned::Beam(beam) => beam.perform_from(problem, first, seed),
+            Learned::Stacked(stages) => stages.perform_from(problem, first, seed),
+            steps => roll::perform_from(problem, steps, first, seed),
         }
     }
 }
@@ -91,6 +117,10 @@ where
         match self {
             Learned::Mixture(mixture) => mixture.act(visit, &mut memory.0),
             Learned::Ladder(ladder) => ladder.act(visit, &mut memory.1),
+            Learned::Beam(Beam { classifier: one, .. }) | Learned::Stacked(TwoStage { first: Greedy(one), .. }) => {
+                memory.1.resize_with(1, Default::default);
+                one.choose(&visit.sight(), &mut memory.1[0])
+            }
         }
     }
 }
@@ -139,10 +169,14 @@ impl Tagger {
             Dictionary::of(kept.iter().map(|old| keys[*old as usize])).unwrap_or_else(|| encoding.features.clone());
         encoding.number_history()?;
         let features = encoding.features();
-        // Dynamic features keep their order behind the static ones.
-        let moved: Vec<u32> =
-            kept.into_iter().chain(before as u32..(features + before - encoding.features.len()) as u32).collect();
-        let policy = policy.map(|classifier| Linear { weights: classifier.weights.renumber(&moved), ..classifier });
+        // Dynamic features keep their order behind the static ones, and those of a second stage behind them.
+        let dynamic = (features - encoding.features.len()) + before;
+        let moved: Vec<u32> = kept.into_iter().chain(before as u32..dynamic as u32).collect();
+        let policy = policy.map(|classifier| {
+            let more = dynamic as u32..classifier.weights.features() as u32;
+            let moved: Vec<u32> = moved.iter().copied().chain(more).collect();
+            Linear { weights: classifier.weights.renumber(&moved), ..classifier }
+        });
         Ok(Tagger { encoding, policy, about })
     }
 
@@ -167,7 +201,7 @@ impl Tagger {
     pub fn tag_encoded(&self, space: Tagging, first: usize, seed: Seed) -> Vec<u32> {
         let episodes = space.sentences();
         let problem = Imitation { space, expert: Silent, episodes };
-        let (done, _) = perform_from(&problem, &self.policy, first, seed.child(Purpose::Evaluation, 0));
+        let (done, _) = self.policy.perform_from(&problem, first, seed.child(Purpose::Evaluation, 0));
         done.actions.into_iter().map(|action| action.0).collect()
     }
 
