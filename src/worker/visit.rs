@@ -155,21 +155,22 @@ impl<'v, P: Problem> Visit<'v, P> {
         self.looked = false;
         let mut state = self.state.clone();
         let mut action = action;
-        // The costs of the steps, and which states they led to.
+        // The costs of the steps, and which states they led to. The steps are billed at the end: a bill that is written to and copied in
+        // turn makes each wait for the other.
         let mut trail = memo.as_mut().map(|memo| std::mem::take(&mut memo.trail)).unwrap_or_default();
         let mut rest = Rest::default();
         let mut spent = 0.0;
         for t in self.t + 1.. {
-            self.ledger.steps += 1;
             let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
-            let signature = memo.as_ref().and_then(|_| space.signature(&state));
-            trail.push((cost, signature, *self.ledger));
             spent += cost;
+            let signature = memo.as_ref().and_then(|_| space.signature(&state));
             if let Some(known) = signature.and_then(|signature| memo.as_ref()?.find(t, signature)) {
                 rest = known;
                 *self.ledger += known.bill;
+                trail.push((cost, None, *self.ledger));
                 break;
             }
+            trail.push((cost, signature, *self.ledger));
             let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t, run);
             visit.spent = spent;
             if visit.legal().is_empty() {
@@ -179,9 +180,13 @@ impl<'v, P: Problem> Visit<'v, P> {
         }
         // From the end, as a table of costs-to-go would add them.
         let after = *self.ledger;
-        for (place, (cost, signature, then)) in trail.drain(..).enumerate().rev() {
+        self.ledger.steps += trail.len() as u64;
+        let last = self.t + trail.len();
+        for (later, (cost, signature, then)) in trail.drain(..).rev().enumerate() {
             if let (Some(memo), Some(signature)) = (&mut memo, signature) {
-                memo.keep(self.t + 1 + place, signature, Rest { cost: rest.cost, bill: after - then });
+                let mut bill = after - then;
+                bill.steps += later as u64;
+                memo.keep(last - later, signature, Rest { cost: rest.cost, bill });
             }
             rest.cost += cost;
         }

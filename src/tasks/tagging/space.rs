@@ -111,6 +111,9 @@ impl Tagging {
     /// How many labels are wrong at best from `token` to `end`, after `previous`: until the right label is legal again all are, and
     /// after that none need be.
     fn detour(&self, token: u32, end: u32, previous: u32) -> u32 {
+        if token == end || self.transitions.after(previous).contains(Action(self.gold[token as usize])) {
+            return 0;
+        }
         let mut front = vec![previous];
         for at in token..end {
             let gold = Action(self.gold[at as usize]);
@@ -196,9 +199,11 @@ impl Expert<Tagging> for Gold {
         if legal.contains(Action(gold)) {
             return Some(Action(gold));
         }
-        legal
-            .iter()
-            .min_by_key(|a| (space.detour(state.token + 1, state.end, a.0), !space.transitions.kin(a.0, gold), a.0))
+        let detour = |a: Action| space.detour(state.token + 1, state.end, a.0);
+        let kin = |a: Action| space.transitions.kin(a.0, gold);
+        // Mostly one of the right label's type leads straight back.
+        let straight = legal.iter().find(|a| kin(*a) && detour(*a) == 0);
+        straight.or_else(|| legal.iter().min_by_key(|a| (detour(*a), !kin(*a), a.0)))
     }
 }
 
