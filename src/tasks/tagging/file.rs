@@ -151,7 +151,7 @@ impl Tagger {
         if labels.is_empty() || labels.len() > MOST_LABELS || !labels.is_sorted_by(|a, b| a < b) {
             return Err(broken("its labels are not a sorted list of names"));
         }
-        let far = template.history().iter().flat_map(|line| &line.labels).any(|back| *back as usize > MAX_ORDER);
+        let far = template.history().iter().flat_map(|line| &line.labels).any(|k| k.unsigned_abs() as usize > MAX_ORDER);
         if far || template.history().len() != header.contexts.len() {
             return Err(broken("its history lines are not those of its template"));
         }
