@@ -1,38 +1,103 @@
 //! Options that several commands share.
 
+use super::compare::Both;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
-use crate::read::{conll, template::Template};
-use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order, Trainer};
+use crate::read::template::Template;
+use crate::tasks::tagging::{LabelColumn, Order};
+use crate::tasks::{AnyLearner, Data, Task, Trainer, tagging, task_of};
 use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
 use clap::{Args, ValueEnum};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Reads a corpus from a file, or from standard input where `path` is `-`.
-pub fn read_corpus(path: &Path) -> Result<Corpus> {
+pub fn read_corpus<T: Task>(path: &Path) -> Result<T::Data> {
     if path != Path::new("-") {
-        return conll::read_file(path);
+        return T::parse(&read(path)?, path);
     }
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text).map_err(|error| Error::io("read", "<stdin>", error))?;
-    conll::parse(&text, "<stdin>".as_ref(), 1)
+    T::parse(&text, "<stdin>".as_ref())
 }
 
-/// Refuses a corpus that has fewer columns than `encoding` looks at.
-pub fn check_columns(encoding: &Encoding, corpus: &Corpus) -> Result<()> {
-    let (needed, found) = (encoding.template.columns(), corpus.columns.len());
-    if found >= needed {
-        return Ok(());
+/// The bytes of a file.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|source| Error::io("read", path, source))
+}
+
+/// What is learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TaskName {
+    /// One label for every token
+    #[default]
+    Tagging,
+}
+
+/// Runs `$body` with `$T` standing for the task of this name.
+macro_rules! with_task {
+    ($name:expr, $T:ident => $body:expr) => {
+        match $name {
+            $crate::cli::options::TaskName::Tagging => {
+                type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_task;
+
+/// The bytes of a model file, and the task it is for.
+pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
+    let bytes = read(path)?;
+    let name = task_of(&bytes, path)?;
+    match TaskName::from_str(&name, false) {
+        Ok(task) => Ok((bytes, task)),
+        Err(_) => {
+            let known: Vec<String> = TaskName::value_variants().iter().filter_map(value_name).collect();
+            Err(Error::file(path, format!("a model for {name}"), format!("this program knows {}", known.join(", "))))
+        }
     }
-    let expected = format!("at least {}, because the model looks at column {} (from 0)", columns(needed), needed - 1);
-    Err(Error::data(corpus.place(0, 0), columns(found), expected))
 }
 
-/// So many columns, in words.
-pub fn columns(n: usize) -> String {
-    if n == 1 { "1 column".to_owned() } else { format!("{n} columns") }
+/// The name of a value on the command line.
+fn value_name(value: &impl ValueEnum) -> Option<String> {
+    Some(value.to_possible_value()?.get_name().to_owned())
+}
+
+/// What the command line adds to a task.
+pub trait Verbs: Task {
+    /// The settings that `options` ask for, for what `data` is.
+    fn settings(options: &Reading, data: &Self::Data) -> Result<Self::Settings>;
+
+    /// Refuses options of other tasks.
+    fn refuse(options: &Reading) -> Result<()>;
+
+    /// Looks for the right labels in this column.
+    fn set_column(&mut self, column: usize) -> Result<()>;
+
+    /// What to compare on where no data are given.
+    fn embedded() -> Option<Result<Both<Self::Data>>>;
+}
+
+impl Verbs for tagging::Encoding {
+    fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
+        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
+    }
+
+    fn refuse(_: &Reading) -> Result<()> {
+        Ok(())
+    }
+
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        self.label_column = column;
+        Ok(())
+    }
+
+    fn embedded() -> Option<Result<Both<Corpus>>> {
+        Some(super::compare::embedded())
+    }
 }
 
 /// How a corpus is understood.
@@ -63,8 +128,8 @@ pub enum OrderName {
 
 impl Reading {
     /// Reads the corpus at `path` as far as it is to be used.
-    pub fn corpus(&self, path: &Path) -> Result<Corpus> {
-        let mut corpus = read_corpus(path)?;
+    pub fn corpus<T: Task>(&self, path: &Path) -> Result<T::Data> {
+        let mut corpus = read_corpus::<T>(path)?;
         if let Some(first) = self.first {
             corpus.truncate(usize::try_from(first).unwrap_or(usize::MAX));
         }
@@ -100,14 +165,6 @@ impl Reading {
             }
             None => Ok(template),
         }
-    }
-}
-
-/// An order's name, as it is given on the command line.
-pub fn order_name(order: Order) -> &'static str {
-    match order {
-        Order::Free => "free",
-        Order::Bio => "iob2",
     }
 }
 
