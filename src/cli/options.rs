@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
 use crate::read::template::Template;
 use crate::tasks::tagging::{LabelColumn, Order};
-use crate::tasks::{AnyLearner, Data, Task, Trainer, tagging, task_of};
+use crate::tasks::{AnyLearner, Data, Task, Trainer, parsing, tagging, task_of};
 use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
 use clap::{Args, ValueEnum};
 use std::io::Read;
@@ -33,6 +33,8 @@ pub enum TaskName {
     /// One label for every token
     #[default]
     Tagging,
+    /// Dependency trees, from CoNLL-U
+    Parsing,
 }
 
 /// Runs `$body` with `$T` standing for the task of this name.
@@ -41,6 +43,10 @@ macro_rules! with_task {
         match $name {
             $crate::cli::options::TaskName::Tagging => {
                 type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+            $crate::cli::options::TaskName::Parsing => {
+                type $T = $crate::tasks::parsing::Encoding;
                 $body
             }
         }
@@ -81,13 +87,21 @@ pub trait Verbs: Task {
     fn embedded() -> Option<Result<Both<Self::Data>>>;
 }
 
+/// Refuses the first of these options that is given.
+fn refuse(options: &[(&'static str, bool)], task: &str) -> Result<()> {
+    match options.iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Error::argument(name, "given", format!("left out: {task} has no such setting"))),
+        None => Ok(()),
+    }
+}
+
 impl Verbs for tagging::Encoding {
     fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
         Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
     }
 
-    fn refuse(_: &Reading) -> Result<()> {
-        Ok(())
+    fn refuse(options: &Reading) -> Result<()> {
+        refuse(&[("--system", options.system.is_some()), ("--cutoff", options.cutoff.is_some())], Self::NAME)
     }
 
     fn set_column(&mut self, column: usize) -> Result<()> {
@@ -97,6 +111,34 @@ impl Verbs for tagging::Encoding {
 
     fn embedded() -> Option<Result<Both<Corpus>>> {
         Some(super::compare::embedded())
+    }
+}
+
+impl Verbs for parsing::Encoding {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {
+        let default = parsing::Settings::default();
+        let system = options.system.map_or(default.system, |name| match name {
+            SystemName::ArcHybrid => parsing::System::ArcHybrid,
+            SystemName::ArcStandardSwap => parsing::System::ArcStandardSwap,
+        });
+        Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
+    }
+
+    fn refuse(options: &Reading) -> Result<()> {
+        let given = [
+            ("--template", options.template.is_some()),
+            ("--label-column", options.label_column.is_some()),
+            ("--order", options.order.is_some()),
+        ];
+        refuse(&given, Self::NAME)
+    }
+
+    fn set_column(&mut self, _: usize) -> Result<()> {
+        refuse(&[("--label-column", true)], Self::NAME)
+    }
+
+    fn embedded() -> Option<Result<Both<Self::Data>>> {
+        None
     }
 }
 
@@ -116,6 +158,20 @@ pub struct Reading {
     /// Learn from the first N sentences only [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub first: Option<u64>,
+    /// The moves of a parser [default: arc-hybrid]
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub system: Option<SystemName>,
+    /// Leave out features of a parser seen fewer times [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    pub cutoff: Option<u8>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SystemName {
+    /// Projective trees only, with an exact dynamic oracle
+    ArcHybrid,
+    /// All trees (Nivre 2009)
+    ArcStandardSwap,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
