@@ -118,8 +118,9 @@ impl Verbs for parsing::Encoding {
     fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {
         let default = parsing::Settings::default();
         let system = options.system.map_or(default.system, |name| match name {
-            SystemName::ArcHybrid => parsing::System::ArcHybrid,
-            SystemName::ArcStandardSwap => parsing::System::ArcStandardSwap,
+            SystemName::Hybrid => parsing::System::ArcHybrid,
+            SystemName::Standard => parsing::System::ArcStandard,
+            SystemName::Swap => parsing::System::ArcStandardSwap,
         });
         Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
     }
@@ -169,9 +170,14 @@ pub struct Reading {
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SystemName {
     /// Projective trees only, with an exact dynamic oracle
-    ArcHybrid,
+    #[value(name = "arc-hybrid")]
+    Hybrid,
+    /// Projective trees only
+    #[value(name = "arc-standard")]
+    Standard,
     /// All trees (Nivre 2009)
-    ArcStandardSwap,
+    #[value(name = "arc-standard-swap")]
+    Swap,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -54,7 +54,7 @@ fn bank(first: usize, count: usize) -> Treebank {
     conllu::parse(text(first, count).as_bytes(), "small".as_ref(), 1).expect("a treebank")
 }
 
-const SYSTEMS: [System; 2] = [System::ArcHybrid, System::ArcStandardSwap];
+const SYSTEMS: [System; 3] = [System::ArcHybrid, System::ArcStandard, System::ArcStandardSwap];
 
 fn trainers() -> Vec<Trainer> {
     let searn = Searn { beta: 0.4, rounds: 2, samples: 1, warm: false };

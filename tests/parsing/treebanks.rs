@@ -62,8 +62,8 @@ const RATE: f32 = 0.02;
 fn published_figures() {
     println!("| treebank | system | seed | UAS | LAS | words/s in training, a round | words/s in parsing |");
     let mut means = Vec::new();
-    for (name, rounds) in [(EWT, 6), (AFRIBOOMS, 10)] {
-        for system in [System::ArcHybrid, System::ArcStandardSwap] {
+    for (name, rounds) in [(EWT, 5), (AFRIBOOMS, 8)] {
+        for system in [System::ArcHybrid, System::ArcStandard, System::ArcStandardSwap] {
             let seeds = [1, 2, 3];
             let Some(all) =
                 seeds.map(|seed| figures(name, system, (rounds, seed))).into_iter().collect::<Option<Vec<_>>>()
@@ -77,6 +77,6 @@ fn published_figures() {
             means.push((mean(0), mean(1)));
         }
     }
-    assert!(means[0].0.max(means[1].0) >= 88.0 && means[0].1.max(means[1].1) >= 85.0, "EWT: {means:?}");
-    assert!(means[3].1 > means[2].1, "AfriBooms: the swap system is to be above the projective one: {means:?}");
+    assert!(means[0].0.max(means[2].0) >= 88.0 && means[0].1.max(means[2].1) >= 85.0, "EWT: {means:?}");
+    assert!(means[5].1 > means[4].1, "AfriBooms: the swap system is to be above the projective one: {means:?}");
 }

@@ -202,7 +202,7 @@ fn tree(bank: &Treebank, i: usize, labels: &[String], system: System) -> (Vec<u3
         _ => ROOT,
     };
     let mut heads: Vec<u32> = bank.sentence(i).map(head).collect();
-    if system == System::ArcHybrid {
+    if system != System::ArcStandardSwap {
         projectivise(&mut heads);
     }
     let label = |w: usize| labels.partition_point(|name| name.as_str() < bank.relation(w)) as u32;

@@ -20,27 +20,51 @@ pub(super) struct Attributes {
     tag: u32,
     /// The morphological features.
     morph: u32,
+    /// The universal part of speech alone.
+    coarse: u32,
+    /// How many verbs, marks of punctuation and conjunctions come before it in its sentence, ten bits each.
+    before: u32,
 }
 
 /// What is known of no word.
-const ABSENT: Attributes = Attributes { word: 1, tag: 2, morph: 3 };
+const ABSENT: Attributes = Attributes { word: 1, tag: 2, morph: 3, coarse: 4, before: 0 };
 
 impl Attributes {
     /// All words of `bank`.
     pub fn of(bank: &Treebank) -> Vec<Attributes> {
         let short = |text: &str| (hash(text) >> 32) as u32;
-        let one = |w: usize| {
-            let form = bank.form(w);
-            let word = if form.bytes().all(|b| b.is_ascii() && !b.is_ascii_uppercase()) {
-                short(form)
-            } else {
-                short(&form.to_lowercase())
-            };
-            let tag = short(bank.upos(w)).rotate_left(7) ^ short(bank.xpos(w));
-            Attributes { word, tag, morph: short(bank.feats(w)) }
-        };
-        (0..bank.words()).map(one).collect()
+        let mut words = Vec::with_capacity(bank.words());
+        for i in 0..bank.sentences() {
+            let mut before = 0u32;
+            for w in bank.sentence(i) {
+                let form = bank.form(w);
+                let plain = form.bytes().all(|b| b.is_ascii() && !b.is_ascii_uppercase());
+                let word = if plain { short(form) } else { short(&form.to_lowercase()) };
+                let coarse = short(bank.upos(w));
+                let tag = coarse.rotate_left(7) ^ short(bank.xpos(w));
+                words.push(Attributes { word, tag, morph: short(bank.feats(w)), coarse, before });
+                // Very long sentences count on from the start: only the low bits of differences are looked at.
+                before = before.wrapping_add(match bank.upos(w) {
+                    "VERB" => 1,
+                    "PUNCT" => 1 << 10,
+                    "CCONJ" => 1 << 20,
+                    _ => 0,
+                });
+            }
+        }
+        words
     }
+}
+
+/// How many verbs, marks of punctuation and conjunctions stand between two words, the left one included; three stands for more.
+#[inline(always)]
+fn between(a: &Attributes, b: &Attributes) -> u32 {
+    if *a == ABSENT || *b == ABSENT {
+        return 64;
+    }
+    let few = |count: u32| (count & 1023).min(3);
+    let difference = a.before.max(b.before).wrapping_sub(a.before.min(b.before));
+    few(difference) | few(difference >> 10) << 2 | few(difference >> 20) << 4
 }
 
 /// As many features as a configuration can have, the static ones left out.
@@ -223,35 +247,45 @@ impl Look<'_> {
         found.two(s0.morph, b0.morph);
         found.two(s1.morph, s0.morph);
         // Triples and more.
+        found.three(s0.coarse, b0.coarse, b1.coarse);
+        found.put(s0.coarse, b0.coarse, b1.coarse, b2.coarse);
+        found.three(s1.coarse, s0.coarse, b0.coarse);
+        found.put(s1.coarse, s0.coarse, b0.coarse, b1.coarse);
+        found.three(s2.coarse, s1.coarse, s0.coarse);
+        found.put(s2.coarse, s1.coarse, s0.coarse, b0.coarse);
+        found.three(s1.word, s0.coarse, b0.coarse);
+        found.three(s1.coarse, s0.word, b0.coarse);
+        found.three(s1.coarse, s0.coarse, b0.word);
         found.three(s0.tag, b0.tag, b1.tag);
-        found.put(s0.tag, b0.tag, b1.tag, b2.tag);
         found.three(s1.tag, s0.tag, b0.tag);
-        found.put(s1.tag, s0.tag, b0.tag, b1.tag);
-        found.three(s2.tag, s1.tag, s0.tag);
-        found.put(s2.tag, s1.tag, s0.tag, b0.tag);
-        found.three(s1.word, s0.tag, b0.tag);
-        found.three(s1.tag, s0.word, b0.tag);
-        found.three(s1.tag, s0.tag, b0.word);
-        self.dependents(found, [n0, n1, m0], [s0.tag, s1.tag, b0.tag]);
+        found.three(s1.morph, s0.morph, b0.coarse);
+        self.dependents(found, [n0, n1, m0], [s0.coarse, s1.coarse, b0.coarse]);
         // Distances.
         let far = distance(places[0], places[3]);
         found.two(s0.word, far);
         found.two(s0.tag, far);
         found.two(b0.word, far);
         found.two(b0.tag, far);
-        found.three(s0.tag, b0.tag, far);
+        found.three(s0.coarse, b0.coarse, far);
         let apart = distance(places[1], places[0]);
         found.two(s1.word, apart);
         found.two(s0.word, apart);
-        found.three(s1.tag, s0.tag, apart);
+        found.three(s1.coarse, s0.coarse, apart);
+        found.put(s1.coarse, s0.coarse, b0.coarse, far << 4 | apart);
+        let (near, under) = (between(s0, b0), between(s1, s0));
+        found.three(s0.coarse, b0.coarse, near);
+        found.put(s0.coarse, b0.coarse, near, far);
+        found.three(s1.coarse, s0.coarse, under);
+        found.put(s1.coarse, s0.coarse, under, apart);
+        found.put(s1.coarse, s0.coarse, b0.coarse, under);
         // Valencies, and the labels that are taken.
         for (word, node) in [(s0, n0), (s1, n1), (b0, m0)] {
             let valency = node.valency[0].min(15) << 4 | node.valency[1].min(15);
             let (left, right) = (set(node.labels[0]), set(node.labels[1]));
             found.two(word.word, valency);
             found.two(word.tag, valency);
-            found.two(word.tag, left);
-            found.two(word.tag, right);
+            found.two(word.coarse, left);
+            found.two(word.coarse, right);
             found.three(word.word, left, right);
         }
         let order = u32::from(places[1] < places[0]);
@@ -269,9 +303,9 @@ impl Look<'_> {
         }
         for (head, w) in [(s0, n0.left[1]), (s0, n0.right[1]), (b0, m0.left[1]), (s1, n1.right[1])] {
             let (word, label) = (self.word(w), self.node(w).label);
-            found.three(head, word.tag, label);
+            found.three(head, word.coarse, label);
         }
-        let tag = |w: u32| self.word(w).tag;
+        let tag = |w: u32| self.word(w).coarse;
         found.three(s0, tag(n0.left[0]), b0);
         found.three(s0, tag(n0.right[0]), b0);
         found.three(s0, b0, tag(m0.left[0]));

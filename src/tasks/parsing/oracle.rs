@@ -11,10 +11,10 @@ use crate::space::{Action, CostToGo, Expert, Space};
 /// than the answer's. Arcs can be reached together whenever each can be reached (arc decomposability), so that a move costs what it makes unreachable.
 /// Of equals the left arc is taken, then the right one.
 ///
-/// Arc-standard with swap: the static oracle of Nivre (2009) on the tree that is still possible: a word whose right head is attached already belongs to
-/// the nearest ancestor that is not. Exact as long as no words have been swapped that stood in the right order, and none that stand in the
-/// wrong one have been buried in the stack; after such a mistake, which cannot be undone, it is the best effort of one that looks no
-/// further than the top two words.
+/// Arc-standard, with swap or without: the static oracle of Nivre (2009) on the tree that is still possible: a word whose right head is attached already belongs to
+/// the nearest ancestor that is not. Exact as long as no words have been swapped that stood in the right order, and nothing has been
+/// shifted onto two words that had to be swapped or joined; after such a mistake, which cannot be undone, it is the best effort of one
+/// that looks no further than the top two words.
 ///
 /// Labels: the right one where it is legal on this side, else the lowest legal one; a word on a wrong head is given its right label too,
 /// though nothing depends on it any more.
@@ -35,12 +35,12 @@ impl Expert<Parsing> for GoldTree {
         let gold = Gold { space, state };
         Some(Action(match space.system {
             System::ArcHybrid => gold.hybrid(),
-            System::ArcStandardSwap => gold.swap(),
+            System::ArcStandard | System::ArcStandardSwap => gold.standard(),
         } as u32))
     }
 }
 
-/// Arc-hybrid: exact. Arc-standard with swap: the words that this expert gets wrong from here on, found by letting it go on.
+/// Arc-hybrid: exact. Arc-standard: the words that this expert gets wrong from here on, found by letting it go on.
 impl CostToGo<Parsing> for GoldTree {
     fn costs(&self, space: &Parsing, state: &Configuration, costs: &mut Vec<f64>) {
         costs.clear();
@@ -48,7 +48,7 @@ impl CostToGo<Parsing> for GoldTree {
             return;
         }
         let legal = space.legal(state);
-        if space.system == System::ArcStandardSwap {
+        if space.system != System::ArcHybrid {
             costs.extend(legal.iter().map(|action| self.to_the_end(space, state.clone(), action)));
             return;
         }
@@ -144,8 +144,9 @@ impl Gold<'_> {
         self.space.ancestor(self.state, w)
     }
 
-    /// The move of the static oracle with swap, on the tree that is still possible.
-    fn swap(&self) -> Move {
+    /// The move of the static oracle, on the tree that is still possible. Where that is projective no words stand in the wrong order, and
+    /// nothing is ever swapped.
+    fn standard(&self) -> Move {
         let state = self.state;
         let (top, below) = (state.stacked(0), state.stacked(1));
         if below == NONE {

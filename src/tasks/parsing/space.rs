@@ -86,7 +86,7 @@ impl Parsing {
         if w == NONE || self.trees.is_empty() {
             return 0.0;
         }
-        if self.system == System::ArcStandardSwap {
+        if self.system != System::ArcHybrid {
             let (open, ancestor) = (state.nodes[w as usize].open, self.ancestor(state, w));
             if ancestor != ROOT {
                 let node = &mut state.nodes[ancestor as usize];
@@ -104,7 +104,7 @@ impl Space for Parsing {
     fn start(&self, episode: Episode) -> Configuration {
         let (first, end) = (self.starts[episode.index], self.starts[episode.index + 1]);
         let mut state = Configuration::new(first, (end - first) as usize);
-        if !self.trees.is_empty() && self.system == System::ArcStandardSwap {
+        if !self.trees.is_empty() && self.system != System::ArcHybrid {
             for (node, w) in state.nodes.iter_mut().zip(first as usize..) {
                 node.open = self.trees.dependents(w).count() as u32;
             }
@@ -150,10 +150,10 @@ impl Space for Parsing {
         MOVES as usize + self.labels
     }
 
-    /// Arc-hybrid: every word is shifted, attached (the root goes by itself) and labelled. With swaps it is not known.
+    /// Every word is shifted, attached (the root goes by itself) and labelled; with swaps it is not known.
     fn horizon(&self, index: usize) -> Option<usize> {
         let words = (self.starts[index + 1] - self.starts[index]) as usize;
-        (self.system == System::ArcHybrid).then_some(3 * words - 1)
+        (self.system != System::ArcStandardSwap).then_some(3 * words - 1)
     }
 
     fn shared(&self) -> &FeatureTable {

@@ -16,6 +16,8 @@ pub enum System {
     /// projective tree and no other.
     #[default]
     ArcHybrid,
+    /// Arc-standard (Nivre 2004): arcs between the two words on top of the stack. Makes every projective tree and no other.
+    ArcStandard,
     /// Arc-standard with swap (Nivre 2009): arcs between the two words on top of the stack, the lower of which may go back into the
     /// buffer. Makes every tree.
     ArcStandardSwap,
@@ -153,6 +155,7 @@ impl Configuration {
         let others = match system {
             System::ArcHybrid => bit(buffer && !self.stack.is_empty(), Move::Left),
             // Two words are swapped once at most, which ends every sentence.
+            System::ArcStandard => bit(two, Move::Left),
             System::ArcStandardSwap => bit(two, Move::Left) | bit(two && self.stacked(1) < self.stacked(0), Move::Swap),
         };
         bit(buffer, Move::Shift) | bit(two, Move::Right) | others
@@ -182,7 +185,7 @@ impl Configuration {
                 self.stack.pop();
                 self.attach(self.buffered(0), top);
             }
-            (Move::Left, System::ArcStandardSwap) => {
+            (Move::Left, _) => {
                 self.lower();
                 self.attach(top, below);
             }
