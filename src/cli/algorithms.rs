@@ -1,7 +1,7 @@
 //! The algorithms that the commands train with, and their settings.
 
 use crate::error::{Error, Result};
-use crate::tasks::tagging::Trainer;
+use crate::tasks::Trainer;
 use crate::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, MOST_WIDTH, MOST_WINDOW, Rate, Reuse, Schedule, Searn, Smile,
     Stacking, Supervised,

@@ -1,37 +1,145 @@
 //! Options that several commands share.
 
+use super::compare::Both;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
-use crate::read::{conll, template::Template};
-use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order};
+use crate::read::template::Template;
+use crate::tasks::tagging::{LabelColumn, Order};
+use crate::tasks::{AnyLearner, Data, Task, parsing, tagging, task_of};
 use clap::{Args, ValueEnum};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Reads a corpus from a file, or from standard input where `path` is `-`.
-pub fn read_corpus(path: &Path) -> Result<Corpus> {
+pub fn read_corpus<T: Task>(path: &Path) -> Result<T::Data> {
     if path != Path::new("-") {
-        return conll::read_file(path);
+        return T::parse(&read(path)?, path);
     }
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text).map_err(|error| Error::io("read", "<stdin>", error))?;
-    conll::parse(&text, "<stdin>".as_ref(), 1)
+    T::parse(&text, "<stdin>".as_ref())
 }
 
-/// Refuses a corpus that has fewer columns than `encoding` looks at.
-pub fn check_columns(encoding: &Encoding, corpus: &Corpus) -> Result<()> {
-    let (needed, found) = (encoding.template.columns(), corpus.columns.len());
-    if found >= needed {
-        return Ok(());
+/// The bytes of a file.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|source| Error::io("read", path, source))
+}
+
+/// What is learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TaskName {
+    /// One label for every token
+    #[default]
+    Tagging,
+    /// Dependency trees, from CoNLL-U
+    Parsing,
+}
+
+/// Runs `$body` with `$T` standing for the task of this name.
+macro_rules! with_task {
+    ($name:expr, $T:ident => $body:expr) => {
+        match $name {
+            $crate::cli::options::TaskName::Tagging => {
+                type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+            $crate::cli::options::TaskName::Parsing => {
+                type $T = $crate::tasks::parsing::Encoding;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_task;
+
+/// The bytes of a model file, and the task it is for.
+pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
+    let bytes = read(path)?;
+    let name = task_of(&bytes, path)?;
+    match TaskName::from_str(&name, false) {
+        Ok(task) => Ok((bytes, task)),
+        Err(_) => {
+            let known: Vec<String> = TaskName::value_variants().iter().filter_map(value_name).collect();
+            Err(Error::file(path, format!("a model for {name}"), format!("this program knows {}", known.join(", "))))
+        }
     }
-    let expected = format!("at least {}, because the model looks at column {} (from 0)", columns(needed), needed - 1);
-    Err(Error::data(corpus.place(0, 0), columns(found), expected))
 }
 
-/// So many columns, in words.
-pub fn columns(n: usize) -> String {
-    if n == 1 { "1 column".to_owned() } else { format!("{n} columns") }
+/// The name of a value on the command line.
+fn value_name(value: &impl ValueEnum) -> Option<String> {
+    Some(value.to_possible_value()?.get_name().to_owned())
+}
+
+/// What the command line adds to a task.
+pub trait Verbs: Task {
+    /// The settings that `options` ask for, for what `data` is.
+    fn settings(options: &Reading, data: &Self::Data) -> Result<Self::Settings>;
+
+    /// Refuses options of other tasks.
+    fn refuse(options: &Reading) -> Result<()>;
+
+    /// Looks for the right labels in this column.
+    fn set_column(&mut self, column: usize) -> Result<()>;
+
+    /// What to compare on where no data are given.
+    fn embedded() -> Option<Result<Both<Self::Data>>>;
+}
+
+/// Refuses the first of these options that is given.
+fn refuse(options: &[(&'static str, bool)], task: &str) -> Result<()> {
+    match options.iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Error::argument(name, "given", format!("left out: {task} has no such setting"))),
+        None => Ok(()),
+    }
+}
+
+impl Verbs for tagging::Encoding {
+    fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
+        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
+    }
+
+    fn refuse(options: &Reading) -> Result<()> {
+        refuse(&[("--system", options.system.is_some()), ("--cutoff", options.cutoff.is_some())], Self::NAME)
+    }
+
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        self.label_column = column;
+        Ok(())
+    }
+
+    fn embedded() -> Option<Result<Both<Corpus>>> {
+        Some(super::compare::embedded())
+    }
+}
+
+impl Verbs for parsing::Encoding {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {
+        let default = parsing::Settings::default();
+        let system = options.system.map_or(default.system, |name| match name {
+            SystemName::Hybrid => parsing::System::ArcHybrid,
+            SystemName::Standard => parsing::System::ArcStandard,
+            SystemName::Swap => parsing::System::ArcStandardSwap,
+        });
+        Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
+    }
+
+    fn refuse(options: &Reading) -> Result<()> {
+        let given = [
+            ("--template", options.template.is_some()),
+            ("--label-column", options.label_column.is_some()),
+            ("--order", options.order.is_some()),
+        ];
+        refuse(&given, Self::NAME)
+    }
+
+    fn set_column(&mut self, _: usize) -> Result<()> {
+        refuse(&[("--label-column", true)], Self::NAME)
+    }
+
+    fn embedded() -> Option<Result<Both<Self::Data>>> {
+        None
+    }
 }
 
 /// How a corpus is understood.
@@ -50,6 +158,25 @@ pub struct Reading {
     /// Learn from the first N sentences only [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub first: Option<u64>,
+    /// The moves of a parser [default: arc-hybrid]
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub system: Option<SystemName>,
+    /// Leave out features of a parser seen fewer times [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    pub cutoff: Option<u8>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SystemName {
+    /// Projective trees only, with an exact dynamic oracle
+    #[value(name = "arc-hybrid")]
+    Hybrid,
+    /// Projective trees only
+    #[value(name = "arc-standard")]
+    Standard,
+    /// All trees (Nivre 2009)
+    #[value(name = "arc-standard-swap")]
+    Swap,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -62,8 +189,8 @@ pub enum OrderName {
 
 impl Reading {
     /// Reads the corpus at `path` as far as it is to be used.
-    pub fn corpus(&self, path: &Path) -> Result<Corpus> {
-        let mut corpus = read_corpus(path)?;
+    pub fn corpus<T: Task>(&self, path: &Path) -> Result<T::Data> {
+        let mut corpus = read_corpus::<T>(path)?;
         if let Some(first) = self.first {
             corpus.truncate(usize::try_from(first).unwrap_or(usize::MAX));
         }
@@ -99,14 +226,6 @@ impl Reading {
             }
             None => Ok(template),
         }
-    }
-}
-
-/// An order's name, as it is given on the command line.
-pub fn order_name(order: Order) -> &'static str {
-    match order {
-        Order::Free => "free",
-        Order::Bio => "iob2",
     }
 }
 

@@ -1,23 +1,26 @@
 //! `rollin train`
 
 use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
-use super::options::{LearnerOptions, Reading, ReadingName, order_name};
+use super::options::{LearnerOptions, Reading, ReadingName, TaskName, Verbs, with_task};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::check_writable;
 use crate::report::{Table, grouped};
 use crate::seed::Seed;
-use crate::tasks::tagging::{About, Encoding, Tagger};
+use crate::tasks::{About, Data, Fact, Model};
 use crate::trainer::{Progress, Run};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Train a tagger and write its model file.
+/// Train a tagger or a parser and write its model file.
 #[derive(Args)]
 #[command(after_help = RECIPES)]
 pub struct Train {
-    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence (- for
+    /// What is learned
+    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    task: TaskName,
+    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence; for parsing CoNLL-U (- for
     /// standard input)
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
@@ -40,6 +43,11 @@ pub struct Train {
 
 impl Train {
     pub fn run(&self, global: &Global) -> Result<()> {
+        with_task!(self.task, T => self.run_as::<T>(global))
+    }
+
+    fn run_as<T: Verbs>(&self, global: &Global) -> Result<()> {
+        T::refuse(&self.columns)?;
         self.trainer.check(&[self.algorithm])?;
         let trainer = self.trainer.trainer(self.algorithm);
         let learner = self.learner.learner()?;
@@ -50,10 +58,8 @@ impl Train {
             return Err(Error::argument("--model", self.model.display(), "another file than --data"));
         }
         check_writable(&self.model)?;
-        let corpus = self.columns.corpus(&self.data)?;
-        let template = self.columns.template(&corpus)?;
-        let (encoding, space) = Encoding::learn(&corpus, self.columns.labels(), template, self.columns.order())?;
-        let problem = space.problem();
+        let corpus = self.columns.corpus::<T>(&self.data)?;
+        let (encoding, problem) = T::learn(&corpus, T::settings(&self.columns, &corpus)?)?;
 
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
@@ -69,25 +75,26 @@ impl Train {
             tokens: corpus.tokens(),
             ledger: trained.ledger,
         };
-        let tagger = Tagger::new(encoding, trained.policy.read_as(self.reading.into()), about)?;
-        tagger.save(&self.model)?;
+        let model = Model::new(encoding, trained.policy.read_as(self.reading.into()), about)?;
+        model.save(&self.model)?;
+        let facts = model.encoding.facts();
 
         if global.json {
-            return print_json(&serde_json::json!({
+            let mut report = serde_json::json!({
                 "model": self.model,
-                "about": tagger.about,
+                "about": model.about,
                 "rounds": trained.rounds,
-                "labels": tagger.encoding.labels,
-                "features": tagger.encoding.features(),
-            }));
+                "features": model.encoding.features(),
+            });
+            facts.into_iter().for_each(|fact| report[fact.name] = fact.value);
+            return print_json(&report);
         }
         let table = rounds(&trained.rounds);
         print(&format!(
-            "{} sentences, {} tokens, {} labels, order {}\n\n{table}\nwrote {}\n",
+            "{} sentences, {} tokens{}\n\n{table}\nwrote {}\n",
             grouped(corpus.sentences() as f64),
             grouped(corpus.tokens() as f64),
-            tagger.encoding.labels.len(),
-            order_name(tagger.encoding.transitions.order()),
+            short(&facts),
             self.model.display(),
         ))
     }
@@ -114,6 +121,14 @@ fn rounds(rounds: &[Progress]) -> Table {
         table.row(cells);
     }
     table
+}
+
+/// The facts in a few words each: how many of what, then what is what.
+fn short(facts: &[Fact]) -> String {
+    let count = |fact: &Fact| fact.value.as_array().map(|all| format!(", {} {}", all.len(), fact.name));
+    let single = |fact: &&Fact| !fact.value.is_array() && !fact.text.is_empty() && !fact.text.contains('\n');
+    let others = facts.iter().filter(single).map(|fact| format!(", {} {}", fact.name, fact.text));
+    facts.iter().filter_map(count).chain(others).collect()
 }
 
 /// Whether both are there and are one file.

@@ -347,8 +347,8 @@ fn a_model_is_blamed_for_its_own_template() {
         let message = folder.refused_on("tag --model m", "the\n");
         assert!(message.starts_with("error: m: the model is damaged: "), "{new}: {message}");
     }
-    folder.put("m", forged(&good, "\"tagging\"", "\"parsing\""));
-    folder.says("inspect m", "m: a model for parsing; a tagging model is needed");
+    folder.put("m", forged(&good, "\"tagging\"", "\"weaving\""));
+    folder.says("inspect m", "m: a model for weaving; this program knows tagging, parsing");
 }
 
 #[test]

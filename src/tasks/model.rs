@@ -1,8 +1,6 @@
-//! A trained tagger.
+//! What training leaves behind: a policy, what turns text into its features, and how both came to be.
 
-use super::encoding::{Dictionary, Encoding};
-use super::space::Tagging;
-use crate::corpus::Corpus;
+use super::Task;
 use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
 use crate::roll::{self, Performance};
@@ -125,7 +123,7 @@ where
     }
 }
 
-/// How a tagger came to be.
+/// How a model came to be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct About {
@@ -145,68 +143,57 @@ pub struct About {
     pub ledger: Ledger,
 }
 
-/// A trained tagger: what turns words into features, and the policy.
+/// A trained model of a task: what turns text into features, and the policy.
 #[derive(Clone, Debug)]
-pub struct Tagger {
-    /// What turns words into features.
-    pub encoding: Encoding,
+pub struct Model<T> {
+    /// What turns text into features.
+    pub encoding: T,
     /// The policy.
     pub policy: Learned,
     /// How it came to be.
     pub about: About,
 }
 
-impl Tagger {
-    /// The tagger of `encoding` and `policy`. Static features without weights are forgotten.
-    pub fn new(mut encoding: Encoding, policy: impl Into<Learned>, about: About) -> Result<Self> {
+impl<T: Task> Model<T> {
+    /// The model of `encoding` and `policy`. Features without weights are forgotten as far as the task can.
+    ///
+    /// # Errors
+    /// When there are too many features to be numbered.
+    pub fn new(mut encoding: T, policy: impl Into<Learned>, about: About) -> Result<Self> {
         let policy = policy.into();
-        let before = encoding.features.len();
         let classifiers = policy.classifiers();
-        let used = |feature: &u32| classifiers.iter().any(|c| c.weights.row(*feature).is_some());
-        let kept: Vec<u32> = (0..before as u32).filter(used).collect();
-        let keys = encoding.features.keys();
-        encoding.features =
-            Dictionary::of(kept.iter().map(|old| keys[*old as usize])).unwrap_or_else(|| encoding.features.clone());
-        encoding.number_history()?;
-        let features = encoding.features();
-        // Dynamic features keep their order behind the static ones, and those of a second stage behind them.
-        let dynamic = (features - encoding.features.len()) + before;
-        let moved: Vec<u32> = kept.into_iter().chain(before as u32..dynamic as u32).collect();
+        let before = encoding.features();
+        let mut moved = encoding.keep(&|feature| classifiers.iter().any(|c| c.weights.row(feature).is_some()))?;
+        // The features of a second stage stand behind the task's.
+        let most = classifiers.iter().map(|c| c.weights.features()).max().unwrap_or(0);
+        moved.extend(before as u32..most as u32);
+        let (first, after) = (encoding.features(), moved);
         let policy = policy.map(|classifier| {
-            let more = dynamic as u32..classifier.weights.features() as u32;
-            let moved: Vec<u32> = moved.iter().copied().chain(more).collect();
-            Linear { weights: classifier.weights.renumber(&moved), ..classifier }
+            let more = classifier.weights.features() - before;
+            Linear { weights: classifier.weights.renumber(&after[..first + more]), ..classifier }
         });
-        Ok(Tagger { encoding, policy, about })
+        Ok(Model { encoding, policy, about })
     }
 
-    /// The labels of all tokens of `corpus`, as numbers into [`Encoding::labels`]. Only a mixture that is sampled draws from `seed`.
-    ///
-    /// # Errors
-    /// When `corpus` lacks a column that the template needs.
-    pub fn tag(&self, corpus: &Corpus, seed: Seed) -> Result<Vec<u32>> {
-        self.tag_from(corpus, 0, seed)
-    }
-
-    /// The same for a part of a longer text: its first sentence has the number `first`, from 0. What is drawn is what would be drawn if
-    /// the whole text were tagged at once.
-    ///
-    /// # Errors
-    /// When `corpus` lacks a column that the template needs.
-    pub fn tag_from(&self, corpus: &Corpus, first: usize, seed: Seed) -> Result<Vec<u32>> {
-        Ok(self.tag_encoded(self.encoding.apply(corpus)?, first, seed))
-    }
-
-    /// The labels of all tokens of sentences that are encoded already, the first of which has the number `first`.
-    pub fn tag_encoded(&self, space: Tagging, first: usize, seed: Seed) -> Vec<u32> {
-        let episodes = space.sentences();
-        let problem = Imitation { space, expert: Silent, episodes };
-        let (done, _) = self.policy.perform_from(&problem, first, seed.child(Purpose::Evaluation, 0));
-        done.actions.into_iter().map(|action| action.0).collect()
+    /// What the policy does: see [`perform`].
+    pub fn perform(&self, space: T::Space, episodes: usize, first: usize, seed: Seed) -> Vec<Action> {
+        perform(&self.policy, space, episodes, (first, seed))
     }
 
     /// The columns of the classifiers: what they score.
     pub fn columns(&self) -> Columns {
         self.policy.classifiers().first().map_or(Columns::Actions, |c| c.columns)
     }
+}
+
+/// What `policy` does in all episodes of `space`, one after the other. They are part of a longer series, in which the first of them has the number
+/// `first`: what is drawn is what would be drawn if the whole series were run at once. Only a mixture that is sampled draws from `seed`.
+pub fn perform<S: Space<View = Features, State: Clone>>(
+    policy: &Learned,
+    space: S,
+    episodes: usize,
+    (first, seed): (usize, Seed),
+) -> Vec<Action> {
+    let problem = Imitation { space, expert: Silent, episodes };
+    policy.perform_from(&problem, first, seed.child(Purpose::Evaluation, 0)).0.actions
 }

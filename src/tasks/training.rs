@@ -1,12 +1,11 @@
-//! Training a tagger by name: any trainer with any learner.
+//! Training by name: any trainer with any learner, on any task.
 
-use super::TaggingProblem;
-use super::tagger::Learned;
+use super::model::Learned;
 use crate::error::Result;
 use crate::learner::{Csoaa, FilterTree, Logistic, Online, Perceptron, Wap};
 use crate::policy::Linear;
 use crate::roll::Shortcut;
-use crate::space::Features;
+use crate::space::{CostToGo, Features, Problem, Space, StateOf};
 use crate::theory::ledgers::{self, Expected, Extent};
 use crate::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Run, Searn, Smile, Stacking, Supervised, Trained,
@@ -65,8 +64,13 @@ impl Trainer {
     /// Trains on `problem` with `learner`, which [`Trainer::EarlyUpdate`] leaves alone.
     ///
     /// # Errors
-    /// When a setting is out of its range or the problem has no sentences.
-    pub fn train(&self, problem: &TaggingProblem, learner: &AnyLearner, run: &Run<'_>) -> Result<Trained<Learned>> {
+    /// When a setting is out of its range or the problem has no episodes.
+    pub fn train<P: Problem>(&self, problem: &P, learner: &AnyLearner, run: &Run<'_>) -> Result<Trained<Learned>>
+    where
+        P::Space: Space<View = Features>,
+        P::Expert: CostToGo<P::Space>,
+        StateOf<P>: Clone,
+    {
         match learner {
             AnyLearner::Perceptron(learner) => self.train_with(problem, learner, run),
             AnyLearner::Logistic(learner) => self.train_with(problem, learner, run),
@@ -76,8 +80,11 @@ impl Trainer {
         }
     }
 
-    fn train_with<L>(&self, problem: &TaggingProblem, learner: &L, run: &Run<'_>) -> Result<Trained<Learned>>
+    fn train_with<P: Problem, L>(&self, problem: &P, learner: &L, run: &Run<'_>) -> Result<Trained<Learned>>
     where
+        P::Space: Space<View = Features>,
+        P::Expert: CostToGo<P::Space>,
+        StateOf<P>: Clone,
         L: Online<Features, Classifier = Linear>,
     {
         Ok(match self {
