@@ -55,7 +55,8 @@ impl Bench {
         let text = text_of(&corpus);
         let (encoding, space) = Encoding::learn(&corpus, LabelColumn::Last, template.clone(), None).expect("features");
         let problem = space.problem();
-        let policy = Dagger::default().train_online(&problem, &Logistic::default(), &Run::new(1)).expect("a policy").policy;
+        let policy =
+            Dagger::default().train_online(&problem, &Logistic::default(), &Run::new(1)).expect("a policy").policy;
         let tagger = Tagger::new(encoding.clone(), policy.clone(), About::default()).expect("a tagger");
         Bench { text, corpus, template, encoding, problem, tagger, policy }
     }
@@ -124,15 +125,12 @@ fn path(bench: &Bench) -> (Vec<Vec<&[f32]>>, Vec<Action>) {
     let mut rows = Vec::new();
     let mut actions = done.actions.iter();
     for index in all(&bench.problem) {
-        Worker::new(&bench.problem).episode(
-            Episode { index, seed: Seed::new(1) },
-            |visit| {
-                let sight = visit.sight();
-                let all = sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic);
-                rows.push(all.filter_map(|feature| weights.row(*feature)).collect());
-                actions.next().copied()
-            },
-        );
+        Worker::new(&bench.problem).episode(Episode { index, seed: Seed::new(1) }, |visit| {
+            let sight = visit.sight();
+            let all = sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic);
+            rows.push(all.filter_map(|feature| weights.row(*feature)).collect());
+            actions.next().copied()
+        });
     }
     (rows, done.actions)
 }

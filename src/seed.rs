@@ -32,6 +32,8 @@ pub enum Purpose {
     Deviation = 9,
     /// An expert's own randomness at a step.
     Expert = 10,
+    /// Which of several readings of a sentence.
+    Reading = 11,
 }
 
 /// A small copyable node of the seed tree.

@@ -10,9 +10,9 @@ use crate::grammar::{Grammar, defaults};
 use crate::policy;
 use crate::read::conll;
 use crate::report::{Table, grouped};
-use crate::seed::Seed;
+use crate::seed::{Purpose, Seed};
 use crate::space::Imitation;
-use crate::tasks::{AnyLearner, Data, Learned, Measure, Score, Trainer, perform};
+use crate::tasks::{AnyLearner, Data, Learned, Measure, Score, Trainer};
 use crate::theory::ledgers::{Expected, Extent};
 use crate::trainer::Run;
 use crate::worker::Ledger;
@@ -171,7 +171,8 @@ impl<T: Verbs> Bench<'_, T> {
     fn row(&self, algorithm: Algorithm, trainer: Trainer, learner: &AnyLearner, global: &Global) -> Result<Row> {
         let bar = Bar::new(&algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
-        let trained = trainer.train(&self.problem, learner, &Run { seed: Seed::new(global.seed), watch: &watch })?;
+        let run = Run { seed: Seed::new(global.seed), watch: &watch };
+        let trained = T::train(&self.problem, &run, &|problem, run| trainer.train(problem, learner, run))?;
         let readings = match trainer.mixes() {
             true => vec![Some(policy::Reading::Sampled), Some(policy::Reading::Vote), Some(policy::Reading::Mean)],
             false => vec![None],
@@ -196,7 +197,8 @@ impl<T: Verbs> Bench<'_, T> {
 
     fn measure(&self, reading: Option<policy::Reading>, policy: Learned, seed: Seed) -> Result<Measured> {
         let (test, encoding) = (&self.data.test, &self.encoding);
-        let actions = perform(&policy, encoding.apply(test)?, test.sentences(), (0, seed));
+        let actions =
+            T::perform(&policy, encoding.apply(test)?, test.sentences(), 0, seed.child(Purpose::Evaluation, 0));
         let score = encoding.score(test, &actions)?;
         let measures = score.measures();
         Ok(Measured {

@@ -28,7 +28,7 @@ impl Inspect {
         let own = encoding.facts();
         let weights: Vec<f64> = match &model.policy {
             Learned::Mixture(mixture) => mixture.members().iter().map(|(weight, _)| *weight).collect(),
-            Learned::Ladder(_) | Learned::Beam(_) | Learned::Stacked(_) => Vec::new(),
+            _ => Vec::new(),
         };
         let (kind, reading) = match &model.policy {
             Learned::Mixture(mixture) if mixture.members().len() == 1 => ("one classifier", String::new()),
@@ -38,6 +38,7 @@ impl Inspect {
             Learned::Ladder(_) => ("one classifier per step", String::new()),
             Learned::Beam(beam) => ("one classifier with a beam", format!(", {} wide", beam.width)),
             Learned::Stacked(stages) => ("two stages", format!(", window {}", stages.window)),
+            Learned::Readings { .. } => ("two readings", String::new()),
         };
         let rows: Vec<usize> = model.policy.classifiers().iter().map(|c| c.weights.len()).collect();
         if global.json {

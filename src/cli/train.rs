@@ -63,7 +63,8 @@ impl Train {
 
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
-        let trained = trainer.train(&problem, &learner, &Run { seed: Seed::new(global.seed), watch: &watch })?;
+        let run = Run { seed: Seed::new(global.seed), watch: &watch };
+        let trained = T::train(&problem, &run, &|problem, run| trainer.train(problem, &learner, run))?;
         drop(bar);
 
         let about = About {

@@ -41,10 +41,74 @@ struct Header<H> {
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 enum Shape {
-    Mixture { reading: Reading, weights: Vec<f64> },
+    Mixture {
+        reading: Reading,
+        weights: Vec<f64>,
+    },
     Ladder,
-    Beam { width: usize },
-    Stacked { window: usize },
+    Beam {
+        width: usize,
+    },
+    Stacked {
+        window: usize,
+    },
+    /// The first so many classifiers are those of the first reading.
+    Readings {
+        classifiers: usize,
+        first: Box<Shape>,
+        second: Box<Shape>,
+    },
+}
+
+impl Shape {
+    fn of(policy: &Learned) -> Shape {
+        match policy {
+            Learned::Mixture(mixture) => Shape::Mixture {
+                reading: mixture.reading(),
+                weights: mixture.members().iter().map(|(weight, _)| *weight).collect(),
+            },
+            Learned::Ladder(_) => Shape::Ladder,
+            Learned::Beam(beam) => Shape::Beam { width: beam.width },
+            Learned::Stacked(stages) => Shape::Stacked { window: stages.window },
+            Learned::Readings { first, second } => Shape::Readings {
+                classifiers: first.classifiers().len(),
+                first: Box::new(Shape::of(first)),
+                second: Box::new(Shape::of(second)),
+            },
+        }
+    }
+
+    /// The policy of this shape.
+    fn policy(self, mut classifiers: Vec<Linear>) -> Result<Learned, String> {
+        Ok(match self {
+            Shape::Ladder => Learned::Ladder(Ladder::of(classifiers)),
+            Shape::Beam { width } => match <[Linear; 1]>::try_from(classifiers) {
+                Ok([classifier]) if (1..=MOST_WIDTH).contains(&width) => Learned::Beam(Beam { classifier, width }),
+                _ => return Err("it is no beam with one classifier".into()),
+            },
+            Shape::Stacked { window } => match <[Linear; 2]>::try_from(classifiers) {
+                Ok([first, second]) => {
+                    Learned::Stacked(TwoStage { first: Greedy(first), second: Greedy(second), window })
+                }
+                Err(_) => return Err("it has not two stages".into()),
+            },
+            Shape::Mixture { reading, weights } => {
+                if weights.len() != classifiers.len() {
+                    return Err("it has not as many weights as classifiers".into());
+                }
+                let members = weights.into_iter().zip(classifiers).collect();
+                Learned::Mixture(Mixture::of(members, reading).map_err(|error| error.to_string())?)
+            }
+            Shape::Readings { classifiers: of_first, first, second } => {
+                if of_first == 0 || of_first >= classifiers.len() {
+                    return Err("it has not classifiers for two readings".into());
+                }
+                let rest = classifiers.split_off(of_first);
+                let (first, second) = (first.policy(classifiers)?, second.policy(rest)?);
+                Learned::Readings { first: Box::new(first), second: Box::new(second) }
+            }
+        })
+    }
 }
 
 impl<T: Task> Model<T> {
@@ -54,15 +118,7 @@ impl<T: Task> Model<T> {
         let header = Header {
             task: T::NAME.into(),
             own: self.encoding.header(),
-            policy: match &self.policy {
-                Learned::Mixture(mixture) => Shape::Mixture {
-                    reading: mixture.reading(),
-                    weights: mixture.members().iter().map(|(weight, _)| *weight).collect(),
-                },
-                Learned::Ladder(_) => Shape::Ladder,
-                Learned::Beam(beam) => Shape::Beam { width: beam.width },
-                Learned::Stacked(stages) => Shape::Stacked { window: stages.window },
-            },
+            policy: Shape::of(&self.policy),
             columns: self.columns(),
             rows: classifiers.iter().map(|c| c.weights.len()).collect(),
             about: self.about.clone(),
@@ -155,26 +211,7 @@ impl<T: Task> Model<T> {
         if !arrays.rest.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
         }
-        let policy = match header.policy {
-            Shape::Ladder => Learned::Ladder(Ladder::of(classifiers)),
-            Shape::Beam { width } => match <[Linear; 1]>::try_from(classifiers) {
-                Ok([classifier]) if (1..=MOST_WIDTH).contains(&width) => Learned::Beam(Beam { classifier, width }),
-                _ => return Err(broken("it is no beam with one classifier")),
-            },
-            Shape::Stacked { window } => match <[Linear; 2]>::try_from(classifiers) {
-                Ok([first, second]) => {
-                    Learned::Stacked(TwoStage { first: Greedy(first), second: Greedy(second), window })
-                }
-                Err(_) => return Err(broken("it has not two stages")),
-            },
-            Shape::Mixture { reading, weights } => {
-                if weights.len() != classifiers.len() {
-                    return Err(broken("it has not as many weights as classifiers"));
-                }
-                let members = weights.into_iter().zip(classifiers).collect();
-                Learned::Mixture(Mixture::of(members, reading).map_err(|error| broken(&error.to_string()))?)
-            }
-        };
+        let policy = header.policy.policy(classifiers).map_err(|what| broken(&what))?;
         Ok(Model { encoding, policy, about: header.about })
     }
 }

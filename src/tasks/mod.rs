@@ -11,12 +11,14 @@ pub mod tagging;
 mod training;
 
 pub use file::{Arrays, task_of};
-pub use model::{About, Learned, Model, perform};
+pub use model::{About, Learned, Model};
 pub use training::{AnyLearner, Trainer};
 
 use crate::error::Result;
 use crate::read::conll::Block;
-use crate::space::{Action, CostToGo, Features, Imitation, Space};
+use crate::seed::Seed;
+use crate::space::{Action, CostToGo, Features, Imitation, Silent, Space};
+use crate::trainer::{Run, Trained};
 use serde::{Serialize, de::DeserializeOwned};
 use std::io::{self, Write};
 use std::path::Path;
@@ -57,6 +59,21 @@ pub trait Task: Sized + Send + Sync {
     /// # Errors
     /// When it is not what can be learned from with these settings.
     fn learn(data: &Self::Data, settings: Self::Settings) -> Result<(Self, ProblemOf<Self>)>;
+
+    /// Trains policies for `problem` by `train`, which knows trainer and learner: one, unless the task needs more.
+    ///
+    /// # Errors
+    /// Those of `train`.
+    fn train(problem: &ProblemOf<Self>, run: &Run<'_>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
+        train(problem, run)
+    }
+
+    /// What `policy` does in all `episodes` of `space`, one after the other. They are part of a longer series, in which the first of them
+    /// has the number `number`: what is drawn is what would be drawn if the whole series were run at once.
+    fn perform(policy: &Learned, space: Self::Space, episodes: usize, number: usize, seed: Seed) -> Vec<Action> {
+        let problem = Imitation { space, expert: Silent, episodes };
+        policy.perform_from(&problem, number, seed).0.actions
+    }
 
     /// Another corpus as a space, of which no right answers are known.
     ///
@@ -113,6 +130,9 @@ pub trait Task: Sized + Send + Sync {
 
 /// The problem of imitating a task's expert.
 pub type ProblemOf<T> = Imitation<<T as Task>::Space, <T as Task>::Expert>;
+
+/// What trains one policy.
+pub type Training<'a, T> = dyn Fn(&ProblemOf<T>, &Run<'_>) -> Result<Trained<Learned>> + 'a;
 
 /// Something to know of a task.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,14 +5,15 @@ use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
 use crate::roll::{self, Performance};
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Features, Imitation, Problem, Silent, Space, StateOf};
+use crate::space::{Action, Features, Problem, Space, StateOf};
 use crate::trainer::{Beam, Stages, TwoStage};
 use crate::worker::{Ledger, Visit};
 use serde::{Deserialize, Serialize};
 
 /// The policies that training can end with.
 ///
-/// As a [`Policy`], step by step, a beam is one path wide and of two stages the first acts: [`Learned::perform_from`] does it all.
+/// As a [`Policy`], step by step, a beam is one path wide, of two stages the first acts and of two readings the second, untold:
+/// [`Learned::perform_from`] and [`Task::perform`] do it all.
 #[derive(Clone, Debug)]
 pub enum Learned {
     /// A mixture, or a single classifier.
@@ -23,6 +24,13 @@ pub enum Learned {
     Beam(Beam<Linear>),
     /// Two classifiers, of which the second sees what the first did.
     Stacked(Stages<Linear>),
+    /// Two policies, of which the first reads from the end and the second, which is told, from the start.
+    Readings {
+        /// The first.
+        first: Box<Learned>,
+        /// The second.
+        second: Box<Learned>,
+    },
 }
 
 impl From<Greedy<Linear>> for Learned {
@@ -51,17 +59,21 @@ impl Learned {
             Learned::Ladder(ladder) => ladder.steps().iter().collect(),
             Learned::Beam(beam) => vec![&beam.classifier],
             Learned::Stacked(stages) => vec![&stages.first.0, &stages.second.0],
+            Learned::Readings { first, second } => [first.classifiers(), second.classifiers()].concat(),
         }
     }
 
     /// The same with every classifier replaced by what `change` makes of it.
-    pub fn map(self, mut change: impl FnMut(Linear) -> Linear) -> Self {
+    pub fn map(self, change: &mut dyn FnMut(Linear) -> Linear) -> Self {
         match self {
             Learned::Mixture(mixture) => Learned::Mixture(mixture.map(change)),
             Learned::Ladder(ladder) => Learned::Ladder(ladder.map(change)),
             Learned::Beam(Beam { classifier, width }) => Learned::Beam(Beam { classifier: change(classifier), width }),
             Learned::Stacked(TwoStage { first, second, window }) => {
                 Learned::Stacked(TwoStage { first: Greedy(change(first.0)), second: Greedy(change(second.0)), window })
+            }
+            Learned::Readings { first, second } => {
+                Learned::Readings { first: Box::new(first.map(change)), second: Box::new(second.map(change)) }
             }
         }
     }
@@ -84,6 +96,9 @@ impl Learned {
                     return Learned::Mixture(Mixture::of_one(mean));
                 }
                 Learned::Mixture(mixture.read_as(reading))
+            }
+            Learned::Readings { first, second } => {
+                Learned::Readings { first: Box::new(first.read_as(reading)), second: Box::new(second.read_as(reading)) }
             }
             other => other,
         }
@@ -119,6 +134,7 @@ where
                 memory.1.resize_with(1, Default::default);
                 one.choose(&visit.sight(), &mut memory.1[0])
             }
+            Learned::Readings { second, .. } => second.act(visit, memory),
         }
     }
 }
@@ -168,32 +184,20 @@ impl<T: Task> Model<T> {
         let most = classifiers.iter().map(|c| c.weights.features()).max().unwrap_or(0);
         moved.extend(before as u32..most as u32);
         let (first, after) = (encoding.features(), moved);
-        let policy = policy.map(|classifier| {
+        let policy = policy.map(&mut |classifier| {
             let more = classifier.weights.features() - before;
             Linear { weights: classifier.weights.renumber(&after[..first + more]), ..classifier }
         });
         Ok(Model { encoding, policy, about })
     }
 
-    /// What the policy does: see [`perform`].
+    /// What the policy does in all `episodes` of `space`: see [`Task::perform`]. Only a mixture that is sampled draws from `seed`.
     pub fn perform(&self, space: T::Space, episodes: usize, first: usize, seed: Seed) -> Vec<Action> {
-        perform(&self.policy, space, episodes, (first, seed))
+        T::perform(&self.policy, space, episodes, first, seed.child(Purpose::Evaluation, 0))
     }
 
     /// The columns of the classifiers: what they score.
     pub fn columns(&self) -> Columns {
         self.policy.classifiers().first().map_or(Columns::Actions, |c| c.columns)
     }
-}
-
-/// What `policy` does in all episodes of `space`, one after the other. They are part of a longer series, in which the first of them has the number
-/// `first`: what is drawn is what would be drawn if the whole series were run at once. Only a mixture that is sampled draws from `seed`.
-pub fn perform<S: Space<View = Features, State: Clone>>(
-    policy: &Learned,
-    space: S,
-    episodes: usize,
-    (first, seed): (usize, Seed),
-) -> Vec<Action> {
-    let problem = Imitation { space, expert: Silent, episodes };
-    policy.perform_from(&problem, first, seed.child(Purpose::Evaluation, 0)).0.actions
 }

@@ -5,6 +5,7 @@
 
 pub mod doc;
 mod encoding;
+pub mod readings;
 mod space;
 mod task;
 mod transitions;

@@ -108,6 +108,11 @@ impl Tagging {
         self.sentences.len()
     }
 
+    /// Whether its features ask for two readings.
+    pub fn looks_ahead(&self) -> bool {
+        self.history.iter().any(|line| line.ahead)
+    }
+
     /// The same sentences for a first reading, from the end to the start: any label may follow any, and nothing is looked at ahead.
     pub fn backwards(&self) -> Tagging {
         Tagging { reading: Reading::First, transitions: Arc::new(self.transitions.freed()), ..self.clone() }
@@ -221,7 +226,8 @@ impl Space for Tagging {
     #[inline]
     fn step(&self, state: &mut Position, action: Action, _: Seed) -> f64 {
         let wrong = self.gold.get(state.token as usize).is_some_and(|gold| *gold != action.0);
-        state.token = if matches!(self.reading, Reading::First) { state.token.wrapping_sub(1) } else { state.token + 1 };
+        state.token =
+            if matches!(self.reading, Reading::First) { state.token.wrapping_sub(1) } else { state.token + 1 };
         state.left -= 1;
         state.history.copy_within(..MAX_ORDER - 1, 1);
         state.history[0] = action.0 as u16;
@@ -275,8 +281,11 @@ impl CostToGo<Tagging> for Gold {
     fn costs(&self, space: &Tagging, state: &Position, costs: &mut Vec<f64>) {
         costs.clear();
         let Some(gold) = space.gold.get(state.token as usize) else { return };
-        costs.extend(space.legal(state).iter().map(|action| {
-            f64::from(action.0 != *gold) + f64::from(space.detour(state, action.0))
-        }));
+        costs.extend(
+            space
+                .legal(state)
+                .iter()
+                .map(|action| f64::from(action.0 != *gold) + f64::from(space.detour(state, action.0))),
+        );
     }
 }

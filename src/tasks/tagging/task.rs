@@ -1,6 +1,8 @@
 //! Tagging as a [`Task`]: what the program's verbs need of it.
 
+use super::TaggingProblem;
 use super::encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
+use super::readings;
 use super::space::{Gold, MAX_ORDER, Tagging};
 use super::transitions::{Order, Transitions};
 use crate::corpus::Corpus;
@@ -10,7 +12,8 @@ use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Fact, Measure, Model, Task};
+use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Task, Training};
+use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::path::Path;
@@ -96,6 +99,17 @@ impl Task for Encoding {
         Ok((encoding, space.problem()))
     }
 
+    fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
+        match problem.space.looks_ahead() {
+            true => readings::train(problem, run, train),
+            false => train(problem, run),
+        }
+    }
+
+    fn perform(policy: &Learned, space: Tagging, _: usize, number: usize, seed: Seed) -> Vec<Action> {
+        readings::perform(policy, space, number, seed).0.actions
+    }
+
     fn apply(&self, corpus: &Corpus) -> Result<Tagging> {
         Encoding::apply(self, corpus)
     }
@@ -174,7 +188,8 @@ impl Task for Encoding {
         if labels.is_empty() || labels.len() > MOST_LABELS || !labels.is_sorted_by(|a, b| a < b) {
             return Err("its labels are not a sorted list of names".into());
         }
-        let far = template.history().iter().flat_map(|line| &line.labels).any(|k| k.unsigned_abs() as usize > MAX_ORDER);
+        let far =
+            template.history().iter().flat_map(|line| &line.labels).any(|k| k.unsigned_abs() as usize > MAX_ORDER);
         if far || template.history().len() != header.contexts.len() {
             return Err("its history lines are not those of its template".into());
         }
