@@ -142,7 +142,7 @@ fn templates_that_are_none() {
         ("U:%x[999,0]\n", "p:1:6: "),
         ("U:%m[0,0,\"a]\n", "p:1:"),
         ("U:%m[0,0,\"*\"]\n", "p:1:"),
-        ("U:%y[1]\n", "p:1:6: "),
+        ("U:%y[9]\n", "p:1:6: "),
         ("U:%x[*2,0]\n", "p:1:6: "),
         ("@pad a\nU:%x[0,0]\n", "p:1:"),
         ("@pad a b\n@pad a b\nU:%x[0,0]\n", "p:2:1: a second @pad; expected one for the whole template"),
@@ -156,7 +156,7 @@ fn templates_that_are_none() {
     folder.put("p", b"U:%x[0,0]\nU\xff\n");
     folder.says("train --data t --model m --template p", "p:2:2: a byte that is not UTF-8; expected text in UTF-8");
     folder.put("p", "U:%y[-9]\n");
-    folder.says("train --data t --model m --template p", "p:1:6: \"-9]\"; expected a label before, from -1 to -8");
+    folder.says("train --data t --model m --template p", "p:1:6: \"-9]\"; expected a label, from -8 to 8");
 }
 
 #[test]
@@ -417,6 +417,6 @@ fn what_would_be_lost_or_ignored_is_refused() {
     folder.put("far.template", "U:%x[0,0]\nU:%y[-9]\n");
     folder.says(
         "train --data t --model m --template far.template",
-        "far.template:2:6: \"-9]\"; expected a label before, from -1 to -8",
+        "far.template:2:6: \"-9]\"; expected a label, from -8 to 8",
     );
 }

@@ -11,6 +11,7 @@ mod files;
 mod learners;
 mod mixtures;
 mod policies;
+mod readings;
 mod rollouts;
 mod search;
 mod threads;
