@@ -5,6 +5,7 @@ mod cli;
 mod treebanks;
 
 use rollin::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
+use rollin::policy::Reading;
 use rollin::read::conllu::{self, Treebank};
 use rollin::tasks::parsing::{Encoding, Parser, Settings, System};
 use rollin::tasks::{About, AnyLearner, Score, Task, Trainer};
@@ -96,16 +97,18 @@ fn las(parser: &Parser, bank: &Treebank) -> f64 {
     parser.encoding.score(bank, &actions).expect("known labels").all.las()
 }
 
-/// Every trainer learns the easy grammar with both systems, and its models come back from their bytes as they were.
+/// Every trainer learns the easy grammar with every system, and its models come back from their bytes as they were. Mixtures are read by their
+/// mean score, as the program does: SEARN's first policy, to which all ways that the expert can mend are equal, is poor on its own.
 #[test]
 fn every_trainer_learns() {
     let (known, new) = (bank(0, 40), bank(40, 20));
     for system in SYSTEMS {
         for trainer in trainers() {
-            let parser = train(&known, system, &trainer, &learners()[1], 1);
+            let mut parser = train(&known, system, &trainer, &learners()[1], 1);
+            parser.policy = parser.policy.read_as(Reading::Mean);
             let las = las(&parser, &new);
-            // Seen by eye: the least is 89 %, that of a mixture sampled after two rounds.
-            assert!(las > 0.85, "{system:?} {trainer:?}: {las}");
+            // Projective trees get 97.1 % of these words right at most: one in 35 hangs on an arc that crosses another.
+            assert!(las > 0.95, "{system:?} {trainer:?}: {las}");
             let bytes = parser.to_bytes();
             let again = Parser::from_bytes(&bytes, Path::new("m")).expect("a model");
             assert!(again.to_bytes() == bytes && again.about == parser.about);

@@ -6,6 +6,7 @@ use super::*;
 use crate::read::conllu;
 use crate::seed::Seed;
 use crate::space::{CostToGo, Episode, Expert, Space};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The heads of all trees of `n` words with one root.
@@ -127,17 +128,15 @@ fn disorder(space: &Parsing, state: &Configuration) -> bool {
 /// Configurations seen, in order and in disorder, and those of each in which the expert was not optimal.
 fn search(trees: &[Vec<u32>], system: System, labels: usize) -> ([usize; 2], [usize; 2]) {
     let space = space(trees, system, labels);
-    let (mut visited, mut worse) = ([0; 2], [0; 2]);
-    for (index, heads) in trees.iter().enumerate() {
+    let one = |(index, heads): (usize, &Vec<u32>)| {
         let mut search = Search { space: &space, known: HashMap::new(), worse: [0; 2], visited: [0; 2] };
         let start = space.start(Episode { index, seed: Seed::new(0) });
         assert_eq!(search.best(&start), 0.0, "{heads:?} cannot be made");
-        for k in 0..2 {
-            visited[k] += search.visited[k];
-            worse[k] += search.worse[k];
-        }
-    }
-    (visited, worse)
+        (search.visited, search.worse)
+    };
+    let add = |a: [usize; 2], b: [usize; 2]| [a[0] + b[0], a[1] + b[1]];
+    let none = || ([0; 2], [0; 2]);
+    trees.par_iter().enumerate().map(one).reduce(none, |a, b| (add(a.0, b.0), add(a.1, b.1)))
 }
 
 #[test]
