@@ -13,6 +13,7 @@ rollin of the whole process, for the peers without the start of Python and the i
 ratios run by run. Peak memory is that of the whole process, Python included.
 """
 import argparse
+import concurrent.futures
 import json
 import os
 import re
@@ -202,7 +203,9 @@ class Sitting:
         self.data = options.data
         self.rollin = options.rollin
         self.template = os.path.join(ROOT, "grammars", "chunking.template")
-        self.labels, self.gold = write_peers_files(options.data, folder)
+        # In a process of its own: what is started from a large one is counted as large.
+        with concurrent.futures.ProcessPoolExecutor(1) as pool:
+            self.labels, self.gold = pool.submit(write_peers_files, options.data, folder).result()
         self.tokens = {name: sum(len(s) for s in sentences(f"{self.data}/{name}.txt")) for name in ("train", "test")}
         self.has = {name: self.installed(name) for name in ("vowpalwabbit", "pycrfsuite")}
         for name, there in self.has.items():
@@ -226,7 +229,7 @@ class Sitting:
     def score(self, model):
         command = [self.rollin, "evaluate", "--model", self.path(model), "--data", f"{self.data}/test.txt", "--json"]
         report = json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
-        return report["overall"]["f1"]
+        return report["chunks"]["f1"]
 
     def vw_train(self, model, *options):
         def job():
@@ -256,3 +259,177 @@ class Sitting:
         self.crf_tag(algorithm)()
         with open(self.path("crf.out")) as lines:
             return f1(self.gold, [line.split() for line in lines])
+
+    def generated(self, tokens, name):
+        """A generated corpus of about so many tokens; returns how many there are."""
+        path = self.path(name)
+        command = [self.rollin, "generate", "--count", str(tokens // 10), "--seed", "7"]
+        run([*command, "--grammar", os.path.join(ROOT, "grammars", "dialects.grammar")], stdout=path)
+        with open(path, "rb") as lines:
+            return sum(1 for line in lines if line.strip())
+
+
+# ---- the parts of the table ----
+
+class Table:
+    def __init__(self, title, note=None):
+        print(f"\n### {title}\n")
+        if note:
+            print(note + "\n")
+
+    def head(self, *cells):
+        print("| " + " | ".join(cells) + " |")
+        print("|" + "---|" * len(cells))
+
+    def row(self, *cells):
+        print("| " + " | ".join(f"{c:.2f}" if isinstance(c, float) else str(c) for c in cells) + " |", flush=True)
+
+
+FAST = ["--algorithm", "dagger-online", "--rounds", "3", "--tolerance", "0.2"]
+AHEAD = ["--template", os.path.join(ROOT, "grammars", "chunking-ahead.template"), "--rounds", "5", "--rate", "0.06"]
+
+
+def against(sitting, title, peers, ours, scores, passes=None):
+    """A table of ours against peers: CPU, its ratio to each of the peers, memory and F1."""
+    table = Table(title)
+    results = in_turn(sitting.options.runs, {**peers, **ours})
+    names = list(peers)
+    table.head("system", "CPU s", *(f"times {name}" for name in names), "peak MiB", "F1 %",
+               *(["tokens/s and pass"] if passes else []))
+    for name, measured in results.items():
+        speeds = [ratio(results[peer], measured) for peer in names]
+        more = [f"{passes * sitting.tokens['train'] / median(measured, 'cpu'):,.0f}"] if passes else []
+        table.row(name, median(measured, "cpu"), *speeds, f"{median(measured, 'rss'):.0f}", scores[name](), *more)
+
+
+def part_train(sitting):
+    peers = {}
+    if sitting.has["vowpalwabbit"]:
+        peers["Vowpal Wabbit, 3 passes"] = sitting.vw_train("dagger.vwm", "--passes", "3", "--search_rollout", "none", "--search_rollin", "learn")
+    jobs = {"rollin, 3 rounds": sitting.train("fast.model", *FAST),
+            "rollin, 3 rounds, default tolerance": sitting.train("default.model", "--rounds", "3"),
+            "rollin, 3 rounds, perceptron": sitting.train("perceptron.model", "--rounds", "3", "--learner", "perceptron")}
+    scores = {"Vowpal Wabbit, 3 passes": lambda: sitting.vw_score("dagger.vwm")}
+    for name, model in zip(jobs, ("fast.model", "default.model", "perceptron.model")):
+        scores[name] = lambda model=model: 100 * sitting.score(model)
+    against(sitting, "Training, DAgger-like", peers, {name: lambda job=job: run(job) for name, job in jobs.items()}, scores, 3)
+
+
+def part_best(sitting):
+    peers = {}
+    if sitting.has["pycrfsuite"]:
+        peers["CRFsuite L-BFGS"] = sitting.crf_train("lbfgs", {"c2": 1.0, "max_iterations": 100})
+        peers["CRFsuite averaged perceptron"] = sitting.crf_train("ap", {"max_iterations": 20})
+    ours = {f"rollin, two readings, seed {seed}": [*AHEAD, "--seed", str(seed)] for seed in (1, 2, 3)}
+    scores = {"CRFsuite L-BFGS": lambda: sitting.crf_score("lbfgs"), "CRFsuite averaged perceptron": lambda: sitting.crf_score("ap")}
+    jobs = {}
+    for name, options in ours.items():
+        model = name[-1] + ".model"
+        jobs[name] = lambda model=model, options=options: run(sitting.train(model, *options))
+        scores[name] = lambda model=model: 100 * sitting.score(model)
+    against(sitting, "The best F1 on the same observation features", peers, jobs, scores)
+
+
+def part_rollout(sitting):
+    peers = {}
+    if sitting.has["vowpalwabbit"]:
+        peers["Vowpal Wabbit, mixed roll-outs, 3 passes"] = sitting.vw_train(
+            "lols.vwm", "--passes", "3", "--search_rollout", "mix_per_roll", "--search_rollin", "learn")
+    ours = {"rollin, LOLS online, 3 rounds": ["--algorithm", "lols-online", "--rounds", "3"],
+            "rollin, SEARN, 3 rounds": ["--algorithm", "searn", "--rounds", "3", "--passes", "1", "--warm"]}
+    scores = {"Vowpal Wabbit, mixed roll-outs, 3 passes": lambda: sitting.vw_score("lols.vwm")}
+    jobs = {}
+    for name, options in ours.items():
+        model = options[1] + ".model"
+        jobs[name] = lambda model=model, options=options: run(sitting.train(model, *options))
+        scores[name] = lambda model=model: 100 * sitting.score(model)
+    against(sitting, "Training with roll-outs of every action", peers, jobs, scores, 3)
+
+
+def part_tag(sitting):
+    """Whole runs on the test set, and what a further copy of the corpus costs: tagging without the start."""
+    run(sitting.train("fast.model", *FAST))
+    long = sitting.path("long.txt")
+    with open(long, "wb") as out:
+        for name in ("train", "test") * 4:
+            with open(f"{sitting.data}/{name}.txt", "rb") as part:
+                out.write(part.read().rstrip(b"\n") + b"\n\n")
+    tokens = 4 * sum(sitting.tokens.values())
+    tag = [sitting.rollin, "tag", "--model", sitting.path("fast.model"), "--threads", "1"]
+    jobs = {"rollin, test set": lambda: run(tag, f"{sitting.data}/test.txt"), "rollin, long": lambda: run(tag, long)}
+    if sitting.has["vowpalwabbit"]:
+        sitting.vw_train("dagger.vwm", "--passes", "3", "--search_rollout", "none", "--search_rollin", "learn")()
+        jobs["Vowpal Wabbit, test set"] = sitting.vw_tag("dagger.vwm")
+    if sitting.has["pycrfsuite"]:
+        sitting.crf_train("ap", {"max_iterations": 20})()
+        jobs["CRFsuite, test set"] = sitting.crf_tag("ap")
+    results = in_turn(sitting.options.runs, jobs)
+    table = Table("Tagging from text", "Whole processes, loading the model included; CRFsuite's attributes are in memory beforehand.")
+    table.head("system", "CPU s", "tokens/s", "times as fast, token by token", "peak MiB")
+    for name, measured in results.items():
+        count = tokens if name.endswith("long") else sitting.tokens["test"]
+        per_token = [{"cpu": result["cpu"] / count} for result in measured]
+        best = [{"cpu": result["cpu"] / tokens} for result in results["rollin, long"]]
+        table.row(name, median(measured, "cpu"), f"{count / median(measured, 'cpu'):,.0f}", ratio(per_token, best), f"{median(measured, 'rss'):.0f}")
+
+
+def part_threads(sitting):
+    long = sitting.path("long.txt")
+    if not os.path.exists(long):
+        part_tag(sitting)
+    jobs, models = {}, {}
+    work = {"roll-ins (smile, 3 rounds)": ["--algorithm", "smile", "--rounds", "3", "--passes", "1"],
+            "roll-outs (searn, 3 rounds)": ["--algorithm", "searn", "--rounds", "3", "--passes", "1"]}
+    for name, options in work.items():
+        for threads in (1, 2):
+            models[name, threads] = f"threads{threads}.{options[1]}"
+            command = sitting.train(models[name, threads], *options, threads=threads) + ["--json"]
+            jobs[name, threads] = lambda command=command: run(command)
+    for threads in (1, 2):
+        command = [sitting.rollin, "tag", "--model", sitting.path("fast.model"), "--threads", str(threads)]
+        jobs["tagging", threads] = lambda command=command, threads=threads: run(command, long, sitting.path(f"tags{threads}"))
+    results = in_turn(sitting.options.runs, jobs)
+    table = Table("Two threads against one", "Whole runs by the clock, reading and what is sequential in learning included.")
+    table.head("work", "one, s", "two, s", "times as fast", "same bytes")
+    for name in [*work, "tagging"]:
+        files = [models.get((name, threads), f"tags{threads}") for threads in (1, 2)]
+        same = open(sitting.path(files[0]), "rb").read() == open(sitting.path(files[1]), "rb").read()
+        one, two = results[name, 1], results[name, 2]
+        table.row(name, median(one, "wall"), median(two, "wall"), ratio(one, two, "wall"), "yes" if same else "NO")
+
+
+def part_growth(sitting):
+    table = Table("Growth with generated text")
+    table.head("tokens", "training, CPU us/token", "training, bytes/token", "tagging, CPU us/token", "tagging, peak MiB")
+    template = os.path.join(ROOT, "grammars", "words.template")
+    for millions in (1, 10):
+        tokens = sitting.generated(millions * 1_000_000, "grown.txt")
+        command = sitting.train("grown.model", "--rounds", "1", "--template", template, data=sitting.path("grown.txt"))
+        tag = [sitting.rollin, "tag", "--model", sitting.path("grown.model"), "--threads", "1"]
+        results = in_turn(max(1, sitting.options.runs // 2), {"train": lambda: run(command), "tag": lambda: run(tag, sitting.path("grown.txt"))})
+        table.row(f"{tokens:,}", 1e6 * median(results["train"], "cpu") / tokens, f"{2**20 * median(results['train'], 'rss') / tokens:.0f}",
+                  1e6 * median(results["tag"], "cpu") / tokens, f"{median(results['tag'], 'rss'):.0f}")
+        os.remove(sitting.path("grown.txt"))
+
+
+PARTS = {"train": part_train, "best": part_best, "rollout": part_rollout, "tag": part_tag, "threads": part_threads, "growth": part_growth}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", required=True, help="the folder with train.txt and test.txt of CoNLL-2000")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--only", default=",".join(PARTS), help="parts, separated by commas")
+    parser.add_argument("--rollin", default=os.path.join(ROOT, "target", "release", "rollin"))
+    options = parser.parse_args()
+    unknown = set(options.only.split(",")) - set(PARTS)
+    if unknown:
+        parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
+    with tempfile.TemporaryDirectory() as folder:
+        sitting = Sitting(options, folder)
+        for part in options.only.split(","):
+            PARTS[part](sitting)
+
+
+if __name__ == "__main__":
+    main()

@@ -6,7 +6,7 @@
 /// surely is the one that is looked for.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Index {
-    /// A power of two of slots, at most two thirds of them taken; [`FREE`] where free.
+    /// A power of two of slots, at most three quarters of them taken; [`FREE`] where free.
     slots: Vec<Slot>,
 }
 
@@ -57,7 +57,7 @@ impl Index {
     /// Sees to it that there is a slot for one more than the things that have these hashes.
     #[inline]
     pub(crate) fn make_room(&mut self, hashes: &[u64]) {
-        if 3 * hashes.len() >= 2 * self.slots.len() {
+        if 4 * hashes.len() >= 3 * self.slots.len() {
             self.rebuild(hashes, 2 * hashes.len());
         }
     }
@@ -66,7 +66,7 @@ impl Index {
     #[cold]
     pub(crate) fn rebuild(&mut self, hashes: &[u64], count: usize) {
         self.slots.clear();
-        self.slots.resize((count.max(8) * 3 / 2 + 1).next_power_of_two(), FREE);
+        self.slots.resize((count.max(8) * 4 / 3 + 1).next_power_of_two(), FREE);
         for (number, &hash) in hashes.iter().enumerate() {
             if let Err(place) = self.probe(hash, |_| false) {
                 self.take(place, hash, number as u32);

@@ -66,6 +66,8 @@ impl Train {
         let run = Run { seed: Seed::new(global.seed), watch: &watch };
         let trained = T::train(&problem, &run, &|problem, run| trainer.train(problem, &learner, run))?;
         drop(bar);
+        // Large, and of no more use.
+        drop(problem);
 
         let about = About {
             trainer: to_json(&trainer),
