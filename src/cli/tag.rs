@@ -3,10 +3,11 @@
 use super::options::{ReadingName, read_model, with_task};
 use super::{Global, closed};
 use crate::error::{Error, Result};
-use crate::read::conll::Blocks;
+use crate::read::conll::{Block, Blocks};
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Task};
 use clap::Args;
+use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -24,14 +25,21 @@ pub struct Tag {
     reading: Option<ReadingName>,
 }
 
-/// Lines tagged at a time: enough to keep all threads busy.
+/// Lines of a block, which one thread tags at a time.
 const BLOCK: usize = 65_536;
+
+/// A block, its corpus if it is not blank, and how many sentences came before it.
+type Read<T> = (Block, Option<<T as Task>::Data>, usize);
 
 impl Tag {
     pub fn run(&self, global: &Global) -> Result<()> {
         global.refuse_json("tag writes the lines it reads")?;
         let (bytes, task) = read_model(&self.model)?;
-        with_task!(task, T => self.run_with(Model::<T>::from_bytes(&bytes, &self.model)?, global))
+        with_task!(task, T => {
+            let model = Model::<T>::from_bytes(&bytes, &self.model)?;
+            drop(bytes);
+            self.run_with(model, global)
+        })
     }
 
     fn run_with<T: Task>(&self, mut model: Model<T>, global: &Global) -> Result<()> {
@@ -40,19 +48,46 @@ impl Tag {
         }
         let path = Path::new("<stdin>");
         let (mut stream, mut sentences) = (T::Stream::default(), 0);
+        let mut blocks = Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK);
         let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-        for block in Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK) {
-            let block = block.map_err(|error| Error::io("read", path, error))?;
-            let data = model.encoding.parse_block(&block, path, &mut stream)?;
-            let mut actions = Vec::new();
-            if let Some(data) = &data {
-                let space = model.encoding.apply(data)?;
-                actions = model.perform(space, data.sentences(), sentences, Seed::new(global.seed));
-                sentences += data.sentences();
+        let mut going = true;
+        while going {
+            // One block for each thread; what was read before a fault is tagged all the same.
+            let mut read: Vec<Read<T>> = Vec::new();
+            let mut fault = Ok(());
+            while read.len() < rayon::current_num_threads() && fault.is_ok() && going {
+                match blocks.next() {
+                    None => going = false,
+                    Some(Err(error)) => fault = Err(Error::io("read", path, error)),
+                    Some(Ok(block)) => match model.encoding.parse_block(&block, path, &mut stream) {
+                        Err(error) => fault = Err(error),
+                        Ok(data) => {
+                            let before = sentences;
+                            sentences += data.as_ref().map_or(0, Data::sentences);
+                            read.push((block, data, before));
+                        }
+                    },
+                }
             }
-            let answered = data.as_ref().map(|data| (data, &actions[..]));
-            model.encoding.write(&block, answered, &mut out).map_err(closed)?;
+            let answers: Vec<Result<Vec<u8>>> = read.into_par_iter().map(|read| answer(&model, read, global)).collect();
+            for answer in answers {
+                out.write_all(&answer?).map_err(closed)?;
+            }
+            fault?;
         }
         out.flush().map_err(closed)
     }
+}
+
+/// What is written for a block.
+fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, global: &Global) -> Result<Vec<u8>> {
+    let mut actions = Vec::new();
+    if let Some(data) = &data {
+        let space = model.encoding.apply(data)?;
+        actions = model.perform(space, data.sentences(), before, Seed::new(global.seed));
+    }
+    let mut text = Vec::with_capacity(2 * block.bytes.len());
+    let answered = data.as_ref().map(|data| (data, &actions[..]));
+    model.encoding.write(&block, answered, &mut text).map_err(closed)?;
+    Ok(text)
 }

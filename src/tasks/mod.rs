@@ -28,7 +28,7 @@ pub trait Task: Sized + Send + Sync {
     /// The task's name, in model files and on the command line.
     const NAME: &'static str;
     /// A corpus in memory.
-    type Data: Data;
+    type Data: Data + Send;
     /// What the user chooses before learning.
     type Settings;
     /// Its sentences as episodes.
