@@ -135,20 +135,26 @@ fn path(bench: &Bench) -> (Vec<Vec<&[f32]>>, Vec<Action>) {
     (rows, done.actions)
 }
 
+/// Adds up `rows` token by token, with the sums in registers.
+fn gather<const N: usize>(rows: &[Vec<&[f32]>]) -> f32 {
+    let mut total = 0.0;
+    for token in rows {
+        let mut sums = [0.0; N];
+        for row in token.iter().filter_map(|row| row.first_chunk::<N>()) {
+            sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
+        }
+        total += sums[0];
+    }
+    total
+}
+
 /// Tagging's inner loop beside one that only gathers and adds the same rows at the same addresses.
 fn score(c: &mut Criterion, bench: &Bench) {
     let (rows, actions) = path(bench);
-    let gather = || {
-        let mut sums = [0.0; 64];
-        let mut total = 0.0;
-        for token in &rows {
-            sums.fill(0.0);
-            for row in token {
-                sums.iter_mut().zip(*row).for_each(|(sum, w)| *sum += w);
-            }
-            total += sums[0];
-        }
-        total
+    let gather = || match bench.policy.0.weights.stride() {
+        8 => gather::<8>(&rows),
+        24 => gather::<24>(&rows),
+        stride => panic!("rows of {stride}: one more arm for them, please"),
     };
     let roll = || roll::perform(&bench.problem, &bench.policy, Seed::new(1)).0.actions;
     assert_eq!(roll(), actions);
