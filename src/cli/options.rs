@@ -2,7 +2,7 @@
 
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
+use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
 use crate::read::{conll, template::Template};
 use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order, Trainer};
 use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
@@ -149,6 +149,16 @@ pub enum LearnerName {
     Wap,
     /// Filter tree: a tournament of actions (cost-sensitive)
     FilterTree,
+    /// Support vector machines for all pairs (cost-sensitive)
+    Svm,
+    /// The multiclass support vector machine (cost-sensitive)
+    CrammerSinger,
+}
+
+impl LearnerName {
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
 }
 
 /// How SMILe reuses samples, on the command line.
@@ -297,15 +307,19 @@ pub struct LearnerOptions {
     /// What fits a classifier to the expert's answers
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits; dagger-online makes one a round whatever is given [default: 5, wap 3]
+    /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online makes one a round
+    /// whatever is given [default: 5, wap 3, svm 100, crammer-singer 50]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
-    /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap and filter-tree 0.2]
+    /// AdaGrad's rate, for every learner but perceptron, svm and crammer-singer [default: 0.1, wap and filter-tree 0.2]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     rate: Option<f32>,
-    /// L2 penalty per example, for every learner but the perceptron [default: 0]
+    /// L2 penalty per example, for every learner but perceptron, svm and crammer-singer [default: 0]
     #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
+    /// What a margin error costs svm and crammer-singer: C [default: 0.1]
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    cost: Option<f32>,
 }
 
 impl LearnerOptions {
@@ -327,14 +341,14 @@ impl LearnerOptions {
         if let Some(l2) = self.l2.filter(|l2| !(*l2 >= 0.0 && l2.is_finite())) {
             return Err(Error::argument("--l2", l2, "0 or more"));
         }
+        if let Some(cost) = self.cost.filter(|cost| !(*cost > 0.0 && cost.is_finite())) {
+            return Err(Error::argument("--cost", cost, "above 0"));
+        }
+        self.refuse_others()?;
         let given =
             |passes, rate, l2| (self.passes.unwrap_or(passes), self.rate.unwrap_or(rate), self.l2.unwrap_or(l2));
         Ok(match self.learner {
             LearnerName::Perceptron => {
-                let named = [("--rate", self.rate.is_some()), ("--l2", self.l2.is_some())];
-                if let Some((name, _)) = named.iter().find(|(_, given)| *given) {
-                    return Err(Error::argument(name, "given", "left out: the perceptron has no such setting"));
-                }
                 AnyLearner::Perceptron(Perceptron { passes: self.passes.unwrap_or(Perceptron::default().passes) })
             }
             LearnerName::Logistic => {
@@ -357,7 +371,35 @@ impl LearnerOptions {
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
                 AnyLearner::Wap(Wap { passes, rate, l2 })
             }
+            LearnerName::Svm => {
+                let default = Svm::default();
+                let (passes, cost) = (self.passes.unwrap_or(default.passes), self.cost.unwrap_or(default.cost));
+                AnyLearner::Svm(Svm { passes, cost, ..default })
+            }
+            LearnerName::CrammerSinger => {
+                let default = CrammerSinger::default();
+                let (passes, cost) = (self.passes.unwrap_or(default.passes), self.cost.unwrap_or(default.cost));
+                AnyLearner::CrammerSinger(CrammerSinger { passes, cost, ..default })
+            }
         })
+    }
+
+    /// Refuses a setting that the learner does not have.
+    fn refuse_others(&self) -> Result<()> {
+        let margin = matches!(self.learner, LearnerName::Svm | LearnerName::CrammerSinger);
+        let gradient = !margin && self.learner != LearnerName::Perceptron;
+        let settings = [
+            ("--rate", self.rate.is_some(), gradient),
+            ("--l2", self.l2.is_some(), gradient),
+            ("--cost", self.cost.is_some(), margin),
+        ];
+        match settings.iter().find(|(_, given, has)| *given && !has) {
+            Some((name, ..)) => {
+                let expected = format!("left out: {} has no such setting", self.learner.name());
+                Err(Error::argument(name, "given", expected))
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -211,10 +211,7 @@ fn settings_out_of_range() {
             "searn-shortcut --rollouts 2",
             "--rollouts is given, but must be left out: searn-shortcut has no such setting",
         ),
-        (
-            "dagger --learner perceptron --l2 1",
-            "--l2 is given, but must be left out: the perceptron has no such setting",
-        ),
+        ("dagger --learner perceptron --l2 1", "--l2 is given, but must be left out: perceptron has no such setting"),
     ];
     for (settings, message) in cases {
         folder.says(&format!("train --data t --model m --algorithm {settings}"), message);

@@ -1,7 +1,9 @@
 //! Learners: first steps worked by hand, and every trainer with every learner on a task that is easy.
 
 use crate::common::{Labels, learners, problem, sample, tokens, trainers};
-use rollin::learner::{Csoaa, Examples, Learner, Lesson, Logistic, Online, Perceptron, Rule, Setting, Target, Wap};
+use rollin::learner::{
+    CrammerSinger, Csoaa, Examples, Learner, Lesson, Logistic, Online, Perceptron, Rule, Setting, Svm, Target, Wap,
+};
 use rollin::policy::{Classifier, Columns, Linear};
 use rollin::roll::perform;
 use rollin::space::Sight;
@@ -205,6 +207,8 @@ fn learners_learn_and_start_warm() {
     check(&Logistic::default());
     check(&Csoaa::default());
     check(&Wap::default());
+    check(&Svm::default());
+    check(&CrammerSinger::default());
 }
 
 /// A word says its label, but for one, whose label is that of the word before: the expert is always imitable.

@@ -10,6 +10,8 @@ mod experts;
 mod files;
 mod learners;
 mod mixtures;
+mod optima;
 mod policies;
+mod regrets;
 mod rollouts;
 mod threads;
