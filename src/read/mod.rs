@@ -2,4 +2,5 @@
 
 pub mod conll;
 pub mod grammar;
+pub mod letters;
 pub mod template;

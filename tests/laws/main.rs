@@ -10,6 +10,7 @@ mod experts;
 mod files;
 mod learners;
 mod mixtures;
+mod ocr;
 mod optima;
 mod policies;
 mod regrets;
