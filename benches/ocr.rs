@@ -2,7 +2,7 @@
 //! bring. Asserts what is claimed of the results, then prints them as tables.
 //!
 //! `ROLLIN_DATA=... cargo bench --bench ocr -- paper` or `-- ours`; `$ROLLIN_DATA/ocr/letters.tsv` has the words. Large is to learn from nine folds
-//! and measure on the tenth, small to learn from one and measure on nine. `rollin` in the results is the mean over the folds.
+//! and measure on the tenth, small to learn from one and measure on nine; results are means over the folds.
 
 use rayon::prelude::*;
 use rollin::Seed;

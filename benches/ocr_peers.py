@@ -1,7 +1,7 @@
 """CRFsuite and Vowpal Wabbit on the handwritten words, ten folds: the pixels and the letter before, untuned.
 
 python3 -m venv v && v/bin/pip install python-crfsuite vowpalwabbit
-v/bin/python benches/ocr_peers.py $ROLLIN_DATA/ocr/letters.tsv
+v/bin/python benches/ocr_peers.py $ROLLIN_DATA/ocr/letters.tsv [SYSTEM]
 """
 
 import os
@@ -73,8 +73,10 @@ def measure(words, system, small):
     return sum(right) / 10, sum(whole) / 10
 
 
+SYSTEMS = {"CRFsuite, averaged perceptron": crfsuite, "Vowpal Wabbit search": vowpal_wabbit}
+
 if __name__ == "__main__":
     words = read(sys.argv[1])
-    for name, system in (("CRFsuite, averaged perceptron", crfsuite), ("Vowpal Wabbit search", vowpal_wabbit)):
+    for name in sys.argv[2:] or SYSTEMS:
         for small in (False, True):
-            print(f"| {name} | {'small' if small else 'large'} | %.2f | %.1f |" % measure(words, system, small), flush=True)
+            print(f"| {name} | {'small' if small else 'large'} | %.2f | %.1f |" % measure(words, SYSTEMS[name], small), flush=True)

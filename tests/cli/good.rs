@@ -4,7 +4,7 @@ use super::{CHUNKS, Folder, TAGS, shipped};
 use serde_json::Value;
 
 const ALGORITHMS: [&str; 7] = ["supervised", "forward", "smile", "searn", "searn-shortcut", "dagger", "dagger-online"];
-const LEARNERS: [&str; 5] = ["perceptron", "logistic", "csoaa", "wap", "filter-tree"];
+const LEARNERS: [&str; 7] = ["perceptron", "logistic", "csoaa", "wap", "filter-tree", "svm", "crammer-singer"];
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
