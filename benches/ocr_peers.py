@@ -43,20 +43,23 @@ def vowpal_wabbit(train, test, passes=10):
     def number(letter):
         return ord(letter) - ord("a") + 1
 
-    vw = pyvw.Workspace("--search 26 --search_task sequence --search_rollin learn --search_rollout none --quiet -b 20")
+    def write(path, words):
+        with open(path, "w") as out:
+            for _, letters, pixels in words:
+                out.writelines(f"{number(a)} | {' '.join(on)}\n" for a, on in zip(letters, pixels))
+                out.write("\n")
 
-    def lines(word, labelled):
-        _, letters, pixels = word
-        return [f"{number(a) if labelled else ''} | {' '.join(on)}" for a, on in zip(letters, pixels)]
-
-    for _ in range(passes):
-        for word in train:
-            vw.learn(lines(word, True))
-    answers = []
-    for word in test:
-        answers.append([chr(ord("a") + int(a) - 1) for a in vw.predict(lines(word, False))])
-    vw.finish()
-    return answers
+    with tempfile.TemporaryDirectory() as folder:
+        learn, ask, model, answers = (os.path.join(folder, name) for name in ("learn", "ask", "model", "answers"))
+        write(learn, train)
+        write(ask, test)
+        search = "--search 26 --search_task sequence --search_rollin learn --search_rollout none -b 20"
+        cache = f"-k -c --cache_file {folder}/cache --passes {passes} --holdout_off"
+        pyvw.Workspace(f"-d {learn} {search} {cache} -f {model} --quiet").finish()
+        pyvw.Workspace(f"-t -d {ask} -i {model} -p {answers} --quiet").finish()
+        with open(answers) as lines:
+            words = [line.split() for line in lines if line.strip()]
+    return [[chr(ord("a") + int(a) - 1) for a in word] for word in words]
 
 
 def measure(words, system, small):
