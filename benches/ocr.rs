@@ -101,7 +101,7 @@ fn paper(data: &Letters, cost: f32) {
     show("no structure", &none, None);
     let supervised = folds(data, &large, |p| fit(Supervised::default().train(p, &svm, &run())));
     show("supervised (above no structure)", &supervised, Some(&none));
-    let dagger = Dagger { rounds: 20, warm: false };
+    let dagger = Dagger { rounds: 20, ..Dagger::default() };
     let dagger = folds(data, &large, |p| fit(dagger.train(p, &svm, &run())));
     show("DAgger (above supervised)", &dagger, Some(&supervised));
     let smile = Smile { alpha: 0.1, rounds: 20, ..Smile::default() };
@@ -132,7 +132,7 @@ fn paper(data: &Letters, cost: f32) {
 /// Other features, one after the other, with one learner and one trainer; then other learners and trainers.
 fn ours(data: &Letters) {
     let logistic = Logistic::default();
-    let online = Dagger { rounds: 5, warm: false };
+    let online = Dagger { rounds: 5, ..Dagger::default() };
     let run = || Run::new(1);
     let patches = Sightings { patch: 3, history: 2, ..Sightings::default() };
     let whole = Sightings { history: 14, rest: true, ..patches.clone() };

@@ -2,7 +2,7 @@
 //!
 //! A learner makes a sequence of decisions, an expert can be asked what it would do, and training happens on the states that the
 //! learner itself reaches. This crate implements *Efficient Reductions for Imitation Learning* (Ross & Bagnell 2010): supervised
-//! imitation, forward training and SMILe, with SEARN and DAgger beside them, on the same task, with the same learner, under the
+//! imitation, forward training and SMILe, with SEARN, CPI, DAgger, AggreVaTe and LOLS beside them, on the same task, with the same learner, under the
 //! same bill.
 //!
 //! ```
@@ -12,7 +12,7 @@
 //! # Five ideas
 //!
 //! 1. **A reset is a `Clone`.** A [`space`]'s state need not be cloneable. Supervised training, forward training, SMILe and DAgger only step
-//!    forward and ask the expert; SEARN rolls out alternatives, and its signature demands `State: Clone`. That SMILe needs no resets is a
+//!    forward and ask the expert; SEARN, CPI and LOLS roll out alternatives, and their signatures demand `State: Clone`. That SMILe needs no resets is a
 //!    fact the compiler checks.
 //! 2. **One bill.** Trainers never hold the space or the expert: they get a [`worker`] and, at each state, a
 //!    [`Visit`](worker::Visit), whose methods count in a [`Ledger`](worker::Ledger). Predicted ledgers
@@ -43,7 +43,7 @@
 //! | [`trainer`] | one short file an algorithm, in the order of its listing |
 //! | [`theory`] | what can be said beforehand |
 //! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers and templates, grammars with exact answers, measures |
-//! | [`tasks`] | sequence tagging |
+//! | [`tasks`] | sequence tagging, dependency parsing, tabular problems; what a task is to the program, and model files |
 //! | [`report`], `cli` | tables; the program |
 //! | [`guide`] | chapters: [what the theorems say](guide::theorems) |
 

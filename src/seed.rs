@@ -30,6 +30,10 @@ pub enum Purpose {
     Evaluation = 8,
     /// Which action a deviation tries, where it does not try them all.
     Deviation = 9,
+    /// An expert's own randomness at a step.
+    Expert = 10,
+    /// Which of several readings of a sentence.
+    Reading = 11,
 }
 
 /// A small copyable node of the seed tree.

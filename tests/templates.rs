@@ -100,7 +100,7 @@ fn chunking_features_are_the_plain_ones_on_conll_2000() {
 fn chunking_history_is_as_its_names_say() {
     let template = Template::read_file(grammar("chunking.template")).expect("a template");
     let labels: Vec<_> = template.history().iter().map(|history| history.labels.clone()).collect();
-    assert_eq!(labels, [vec![1], vec![1, 2], vec![1], vec![1], vec![1, 2], vec![1]]);
+    assert_eq!(labels, [vec![-1], vec![-1, -2], vec![-1], vec![-1], vec![-1, -2], vec![-1]]);
     assert_eq!(template.columns(), 2);
     assert_eq!(template.observations(), 26);
 

@@ -1,6 +1,7 @@
 //! `rollin compare`
 
-use super::options::{Algorithm, LearnerOptions, Reading, TrainerOptions, check_columns, read_corpus};
+use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
+use super::options::{LearnerOptions, Reading, TaskName, Verbs, read_corpus, with_task};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
@@ -9,14 +10,15 @@ use crate::grammar::{Grammar, defaults};
 use crate::policy;
 use crate::read::conll;
 use crate::report::{Table, grouped};
-use crate::score::Scheme;
-use crate::seed::Seed;
-use crate::tasks::tagging::{About, AnyLearner, Encoding, LabelColumn, Tagger, Tagging, TaggingProblem, Trainer};
+use crate::seed::{Purpose, Seed};
+use crate::space::Imitation;
+use crate::tasks::{AnyLearner, Data, Learned, Measure, Score, Trainer};
 use crate::theory::ledgers::{Expected, Extent};
 use crate::trainer::Run;
 use crate::worker::Ledger;
 use clap::Args;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Train with several algorithms on the same data and compare accuracy with what the expert was asked.
@@ -24,8 +26,12 @@ use std::path::{Path, PathBuf};
 /// Without --data this runs on two corpora that are part of the program, drawn from a grammar, for which the best possible accuracy
 /// is known exactly.
 #[derive(Args)]
+#[command(after_help = RECIPES)]
 pub struct Compare {
-    /// What to learn from, one token a line as for `rollin train` (- for standard input) [default: a corpus in the program]
+    /// What is learned
+    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    task: TaskName,
+    /// What to learn from, as for `rollin train` (- for standard input) [default: a corpus in the program, for tagging]
     #[arg(long, value_name = "FILE")]
     data: Option<PathBuf>,
     /// What to measure on [default: the last fifth of the data's sentences, which is then not learned from]
@@ -64,34 +70,37 @@ struct Row {
 #[derive(Serialize)]
 struct Measured {
     reading: Option<policy::Reading>,
-    /// Wrong labels per sentence.
+    /// Wrong words per sentence.
     loss: f64,
-    /// In percent.
-    accuracy: f64,
-    /// In percent; where the labels are spans.
-    f1: Option<f64>,
+    /// In percent, by name.
+    #[serde(flatten)]
+    percent: BTreeMap<&'static str, Option<f64>>,
+    #[serde(skip)]
+    measures: Vec<Measure>,
 }
 
 /// What is learned from, and what is measured on.
-struct Data {
-    train: Corpus,
-    test: Corpus,
+pub struct Both<D> {
+    train: D,
+    test: D,
     /// The accuracy in percent that no labelling of the test set is expected to exceed, where it is known.
     best: Option<f64>,
 }
 
 impl Compare {
     pub fn run(&self, global: &Global) -> Result<()> {
+        with_task!(self.task, T => self.run_as::<T>(global))
+    }
+
+    fn run_as<T: Verbs>(&self, global: &Global) -> Result<()> {
+        T::refuse(&self.columns)?;
         let learner = self.learner.learner()?;
         self.trainer.check(&self.algorithms)?;
-        let data = self.read()?;
-        let template = self.columns.template(&data.train)?;
-        let (encoding, space) = Encoding::learn(&data.train, self.columns.labels(), template, self.columns.order())?;
-        LabelColumn::At(encoding.label_column).in_corpus(&data.test)?;
-        check_columns(&encoding, &data.test)?;
-        let problem = space.problem();
-        let bench =
-            Bench { extent: Extent::of(&problem), problem, test: encoding.apply(&data.test)?, encoding, data: &data };
+        let (data, settings) = self.read::<T>()?;
+        let (encoding, problem) = T::learn(&data.train, settings)?;
+        encoding.check(&data.test)?;
+        let extent = Extent::of(&problem);
+        let bench = Bench { extent, problem, encoding, data: &data };
         let rows = self
             .algorithms
             .iter()
@@ -99,8 +108,8 @@ impl Compare {
             .collect::<Result<Vec<_>>>()?;
         if global.json {
             return print_json(&serde_json::json!({
-                "train": {"path": data.train.path, "sentences": data.train.sentences(), "tokens": data.train.tokens()},
-                "test": {"path": data.test.path, "sentences": data.test.sentences(), "tokens": data.test.tokens()},
+                "train": {"path": data.train.path(), "sentences": data.train.sentences(), "tokens": data.train.tokens()},
+                "test": {"path": data.test.path(), "sentences": data.test.sentences(), "tokens": data.test.tokens()},
                 "learner": learner,
                 "seed": global.seed,
                 "best_accuracy": data.best,
@@ -110,14 +119,23 @@ impl Compare {
         print(&bench.text(&rows, &learner))
     }
 
-    fn read(&self) -> Result<Data> {
+    fn read<T: Verbs>(&self) -> Result<(Both<T::Data>, T::Settings)> {
         let Some(path) = &self.data else {
-            return embedded(&self.columns);
+            let Some(embedded) = T::embedded() else {
+                let expected = format!("given: there is no corpus for {} in the program", T::NAME);
+                return Err(Error::argument("--data", "left out", expected));
+            };
+            let mut both = embedded?;
+            if let Some(first) = self.columns.first {
+                both.train.truncate(usize::try_from(first).unwrap_or(usize::MAX));
+            }
+            let settings = T::settings(&self.columns, &both.train)?;
+            return Ok((both, settings));
         };
-        let mut train = self.columns.corpus(path)?;
-        self.columns.labels().in_corpus(&train)?;
+        let mut train = self.columns.corpus::<T>(path)?;
+        let settings = T::settings(&self.columns, &train)?;
         let test = match &self.test {
-            Some(path) => read_corpus(path)?,
+            Some(path) => read_corpus::<T>(path)?,
             None => {
                 let kept = train.sentences() - train.sentences() / 5;
                 if kept == train.sentences() {
@@ -127,37 +145,34 @@ impl Compare {
                 train.split_off(kept)
             }
         };
-        Ok(Data { train, test, best: None })
+        Ok((Both { train, test, best: None }, settings))
     }
 }
 
 /// The corpora that are part of the program.
-fn embedded(columns: &Reading) -> Result<Data> {
+pub fn embedded() -> Result<Both<Corpus>> {
     let corpus = |name: &str, text: &str| conll::parse(text.as_bytes(), Path::new(name), 1);
-    let (mut train, test) = (corpus("<embedded train>", defaults::TRAIN)?, corpus("<embedded test>", defaults::TEST)?);
-    if let Some(first) = columns.first {
-        train.truncate(usize::try_from(first).unwrap_or(usize::MAX));
-    }
+    let (train, test) = (corpus("<embedded train>", defaults::TRAIN)?, corpus("<embedded test>", defaults::TEST)?);
     let grammar = Grammar::parse("<embedded grammar>", defaults::GRAMMAR)?;
     let (count, seed) = defaults::MADE[1];
     let best = 100.0 * grammar.optimum(&grammar.generate(count, Seed::new(seed)))?;
-    Ok(Data { train, test, best: Some(best) })
+    Ok(Both { train, test, best: Some(best) })
 }
 
 /// What all rows share.
-struct Bench<'d> {
-    problem: TaggingProblem,
+struct Bench<'d, T: Verbs> {
+    problem: Imitation<T::Space, T::Expert>,
     extent: Extent,
-    test: Tagging,
-    encoding: Encoding,
-    data: &'d Data,
+    encoding: T,
+    data: &'d Both<T::Data>,
 }
 
-impl Bench<'_> {
+impl<T: Verbs> Bench<'_, T> {
     fn row(&self, algorithm: Algorithm, trainer: Trainer, learner: &AnyLearner, global: &Global) -> Result<Row> {
         let bar = Bar::new(&algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
-        let trained = trainer.train(&self.problem, learner, &Run { seed: Seed::new(global.seed), watch: &watch })?;
+        let run = Run { seed: Seed::new(global.seed), watch: &watch };
+        let trained = T::train(&self.problem, &run, &|problem, run| trainer.train(problem, learner, run))?;
         let readings = match trainer.mixes() {
             true => vec![Some(policy::Reading::Sampled), Some(policy::Reading::Vote), Some(policy::Reading::Mean)],
             false => vec![None],
@@ -166,8 +181,7 @@ impl Bench<'_> {
             .into_iter()
             .map(|reading| {
                 let policy = trained.policy.clone().read_as(reading.unwrap_or_default());
-                let tagger = Tagger { encoding: self.encoding.clone(), policy, about: About::default() };
-                self.measure(reading, &tagger.tag_encoded(self.test.clone(), 0, Seed::new(global.seed)))
+                self.measure(reading, policy, Seed::new(global.seed))
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Row {
@@ -181,21 +195,27 @@ impl Bench<'_> {
         })
     }
 
-    fn measure(&self, reading: Option<policy::Reading>, labels: &[u32]) -> Result<Measured> {
-        let score = super::evaluate::score(&self.data.test, &self.encoding, labels)?;
+    fn measure(&self, reading: Option<policy::Reading>, policy: Learned, seed: Seed) -> Result<Measured> {
+        let (test, encoding) = (&self.data.test, &self.encoding);
+        let actions =
+            T::perform(&policy, encoding.apply(test)?, test.sentences(), 0, seed.child(Purpose::Evaluation, 0));
+        let score = encoding.score(test, &actions)?;
+        let measures = score.measures();
         Ok(Measured {
             reading,
-            loss: (score.tokens() - score.right()) as f64 / self.data.test.sentences() as f64,
-            accuracy: 100.0 * score.accuracy(),
-            f1: Scheme::new(&self.encoding.labels).is_spans().then(|| 100.0 * score.f1()),
+            loss: score.wrong() as f64 / test.sentences() as f64,
+            percent: measures.iter().map(|measure| (measure.key, measure.percent)).collect(),
+            measures,
         })
     }
 
     fn text(&self, rows: &[Row], learner: &AnyLearner) -> String {
         let (train, test) = (&self.data.train, &self.data.test);
-        let spans = rows.iter().flat_map(|row| &row.readings).any(|m| m.f1.is_some());
-        let mut headings = vec!["", "reading", "wrong/sentence", "accuracy %"];
-        headings.extend(spans.then_some("F1 %"));
+        let mut headings = vec!["", "reading", "wrong/sentence"];
+        // What means nothing for one row means nothing for all: the labels are the same.
+        let told = |measured: &Measured| measured.measures.iter().filter(|m| m.percent.is_some()).copied().collect();
+        let measures: Vec<Measure> = rows.iter().flat_map(|row| &row.readings).map(told).next().unwrap_or_default();
+        headings.extend(measures.iter().map(|measure| measure.name));
         headings.extend(["expert queries", "resets", "rounds", "seconds"]);
         let mut results = Table::new(headings);
         for row in rows {
@@ -204,9 +224,8 @@ impl Bench<'_> {
                     row.algorithm.clone(),
                     measured.reading.map_or("-".into(), |r| super::train::to_json(&r).trim_matches('"').to_owned()),
                     format!("{:.3}", measured.loss),
-                    format!("{:.2}", measured.accuracy),
                 ];
-                cells.extend(spans.then(|| measured.f1.map_or("-".into(), |f1| format!("{f1:.2}"))));
+                cells.extend(measured.measures.iter().filter_map(|m| m.percent).map(|p| format!("{p:.2}")));
                 cells.extend([
                     grouped(row.ledger.queries as f64),
                     grouped(row.ledger.resets as f64),

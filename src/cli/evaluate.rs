@@ -1,16 +1,15 @@
 //! `rollin evaluate`
 
-use super::options::{ReadingName, check_columns, read_corpus};
+use super::options::{ReadingName, Verbs, read_corpus, read_model, with_task};
 use super::{Global, print, print_json};
-use crate::corpus::Corpus;
 use crate::error::Result;
-use crate::score::{Scheme, Score};
 use crate::seed::Seed;
-use crate::tasks::tagging::{Encoding, LabelColumn, Tagger};
+use crate::tasks::{Data, Model, Score};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Compare a model's labels with the right ones: token accuracy and, where labels are spans, conlleval's measures per type.
+/// Compare a model's answers with the right ones: token accuracy and, where labels are spans, conlleval's measures per type; for trees
+/// UAS and LAS.
 #[derive(Args)]
 pub struct Evaluate {
     /// The model file
@@ -29,38 +28,22 @@ pub struct Evaluate {
 
 impl Evaluate {
     pub fn run(&self, global: &Global) -> Result<()> {
-        let mut tagger = Tagger::load(&self.model)?;
+        let (bytes, task) = read_model(&self.model)?;
+        with_task!(task, T => self.run_with(Model::<T>::from_bytes(&bytes, &self.model)?, global))
+    }
+
+    fn run_with<T: Verbs>(&self, mut model: Model<T>, global: &Global) -> Result<()> {
         if let Some(reading) = self.reading {
-            tagger.policy = tagger.policy.read_as(reading.into());
+            model.policy = model.policy.read_as(reading.into());
         }
         if let Some(column) = self.label_column {
-            tagger.encoding.label_column = column;
+            model.encoding.set_column(column)?;
         }
-        let corpus = read_corpus(&self.data)?;
-        LabelColumn::At(tagger.encoding.label_column).in_corpus(&corpus)?;
-        check_columns(&tagger.encoding, &corpus)?;
-        let labels = tagger.tag(&corpus, Seed::new(global.seed))?;
-        let score = score(&corpus, &tagger.encoding, &labels)?;
-        if global.json {
-            return print_json(&score);
-        }
-        if score.scheme().is_spans() {
-            return print(&score.to_string());
-        }
-        print(&format!("processed {} tokens\naccuracy: {:6.2}%\n", score.tokens(), 100.0 * score.accuracy()))
+        let data = read_corpus::<T>(&self.data)?;
+        model.encoding.check(&data)?;
+        let space = model.encoding.apply(&data)?;
+        let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
+        let score = model.encoding.score(&data, &actions)?;
+        if global.json { print_json(&score) } else { print(&score.text()) }
     }
-}
-
-/// The score of `labels` against the right ones in `corpus`. Where a right label was never seen in training, the model is wrong.
-pub fn score(corpus: &Corpus, encoding: &Encoding, labels: &[u32]) -> Result<Score> {
-    let column = &corpus.columns[LabelColumn::At(encoding.label_column).in_corpus(corpus)?];
-    let mut scheme = Scheme::new(&encoding.labels);
-    let ids: Vec<u32> = column.values.iter().map(|name| scheme.id(name)).collect();
-    let gold: Vec<u32> = column.cells.iter().map(|cell| ids[*cell as usize]).collect();
-    let mut score = Score::new(scheme);
-    for i in 0..corpus.sentences() {
-        let sentence = corpus.sentence(i);
-        score.add(&gold[sentence.clone()], &labels[sentence])?;
-    }
-    Ok(score)
 }

@@ -1,11 +1,11 @@
 //! `rollin inspect`
 
-use super::options::order_name;
+use super::options::{read_model, with_task};
 use super::train::to_json;
 use super::{Global, print, print_json};
 use crate::error::Result;
 use crate::report::{Table, grouped};
-use crate::tasks::tagging::{Learned, Tagger};
+use crate::tasks::{Learned, Model, Task};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -19,33 +19,40 @@ pub struct Inspect {
 
 impl Inspect {
     pub fn run(&self, global: &Global) -> Result<()> {
-        let tagger = Tagger::load(&self.model)?;
-        let (encoding, about) = (&tagger.encoding, &tagger.about);
-        let weights: Vec<f64> = match &tagger.policy {
+        let (bytes, task) = read_model(&self.model)?;
+        with_task!(task, T => self.tell(&Model::<T>::from_bytes(&bytes, &self.model)?, global))
+    }
+
+    fn tell<T: Task>(&self, model: &Model<T>, global: &Global) -> Result<()> {
+        let (encoding, about) = (&model.encoding, &model.about);
+        let own = encoding.facts();
+        let weights: Vec<f64> = match &model.policy {
             Learned::Mixture(mixture) => mixture.members().iter().map(|(weight, _)| *weight).collect(),
-            Learned::Ladder(_) => Vec::new(),
+            _ => Vec::new(),
         };
-        let (kind, reading) = match &tagger.policy {
+        let (kind, reading) = match &model.policy {
             Learned::Mixture(mixture) if mixture.members().len() == 1 => ("one classifier", String::new()),
             Learned::Mixture(mixture) => {
                 ("mixture", format!(", read as {}", to_json(&mixture.reading()).trim_matches('"')))
             }
             Learned::Ladder(_) => ("one classifier per step", String::new()),
+            Learned::Beam(beam) => ("one classifier with a beam", format!(", {} wide", beam.width)),
+            Learned::Stacked(stages) => ("two stages", format!(", window {}", stages.window)),
+            Learned::Readings { .. } => ("two readings", String::new()),
         };
-        let rows: Vec<usize> = tagger.policy.classifiers().iter().map(|c| c.weights.len()).collect();
+        let rows: Vec<usize> = model.policy.classifiers().iter().map(|c| c.weights.len()).collect();
         if global.json {
-            return print_json(&serde_json::json!({
+            let mut report = serde_json::json!({
                 "model": self.model,
-                "task": "tagging",
-                "labels": encoding.labels,
-                "order": order_name(encoding.transitions.order()),
-                "template": encoding.template.text(),
+                "task": T::NAME,
                 "features": encoding.features(),
                 "policy": kind,
                 "weights": weights,
                 "rows": rows,
                 "about": about,
-            }));
+            });
+            own.into_iter().for_each(|fact| report[fact.name] = fact.value);
+            return print_json(&report);
         }
         let facts = [
             ("policy", format!("{kind}{reading}")),
@@ -57,15 +64,17 @@ impl Inspect {
             ("tokens", grouped(about.tokens as f64)),
             ("expert's labels", grouped(about.ledger.labels as f64)),
             ("expert queries", grouped(about.ledger.queries as f64)),
-            ("order", order_name(encoding.transitions.order()).to_owned()),
-            ("labels", encoding.labels.join(" ")),
         ];
-        let facts: String = facts.iter().map(|(name, fact)| format!("{name:<16}{fact}\n")).collect();
+        let (long, lines): (Vec<_>, Vec<_>) =
+            own.into_iter().filter(|fact| !fact.text.is_empty()).partition(|fact| fact.text.contains('\n'));
+        let facts = facts.into_iter().chain(lines.into_iter().map(|fact| (fact.name, fact.text)));
+        let facts: String = facts.map(|(name, fact)| format!("{name:<16}{fact}\n")).collect();
+        let long: String = long.into_iter().map(|fact| format!("\n{}{}\n", fact.name, fact.text)).collect();
         let mut classifiers = Table::new(["classifier", "weight", "features with weights"]);
         for (i, rows) in rows.iter().enumerate() {
             let weight = weights.get(i).map_or("-".to_owned(), |w| format!("{w:.4}"));
             classifiers.row([(i + 1).to_string(), weight, grouped(*rows as f64)]);
         }
-        print(&format!("{facts}\n{classifiers}\ntemplate\n{}\n", encoding.template.text().trim_end()))
+        print(&format!("{facts}\n{classifiers}{long}"))
     }
 }

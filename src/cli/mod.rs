@@ -3,6 +3,7 @@
 //! What a command computes goes to standard output, progress and errors to standard error. Bad input ends with exit code 2 and one
 //! message.
 
+mod algorithms;
 mod compare;
 mod evaluate;
 mod generate;
@@ -64,11 +65,11 @@ impl Global {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Train a tagger and write its model file
+    /// Train a tagger or a parser and write its model file
     Train(train::Train),
-    /// Tag standard input: every line again, with the label as a further last column
+    /// Tag or parse standard input: every line again, with what the model says
     Tag(tag::Tag),
-    /// Compare a model's labels with the right ones
+    /// Compare a model's answers with the right ones
     Evaluate(evaluate::Evaluate),
     /// Train with several algorithms on the same data and compare accuracy with what the expert was asked
     Compare(compare::Compare),

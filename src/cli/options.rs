@@ -1,38 +1,145 @@
 //! Options that several commands share.
 
+use super::compare::Both;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
-use crate::read::{conll, template::Template};
-use crate::tasks::tagging::{AnyLearner, Encoding, LabelColumn, Order, Trainer};
-use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile, Supervised};
+use crate::read::template::Template;
+use crate::tasks::tagging::{LabelColumn, Order};
+use crate::tasks::{AnyLearner, Data, Task, parsing, tagging, task_of};
 use clap::{Args, ValueEnum};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Reads a corpus from a file, or from standard input where `path` is `-`.
-pub fn read_corpus(path: &Path) -> Result<Corpus> {
+pub fn read_corpus<T: Task>(path: &Path) -> Result<T::Data> {
     if path != Path::new("-") {
-        return conll::read_file(path);
+        return T::parse(&read(path)?, path);
     }
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text).map_err(|error| Error::io("read", "<stdin>", error))?;
-    conll::parse(&text, "<stdin>".as_ref(), 1)
+    T::parse(&text, "<stdin>".as_ref())
 }
 
-/// Refuses a corpus that has fewer columns than `encoding` looks at.
-pub fn check_columns(encoding: &Encoding, corpus: &Corpus) -> Result<()> {
-    let (needed, found) = (encoding.template.columns(), corpus.columns.len());
-    if found >= needed {
-        return Ok(());
+/// The bytes of a file.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|source| Error::io("read", path, source))
+}
+
+/// What is learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TaskName {
+    /// One label for every token
+    #[default]
+    Tagging,
+    /// Dependency trees, from CoNLL-U
+    Parsing,
+}
+
+/// Runs `$body` with `$T` standing for the task of this name.
+macro_rules! with_task {
+    ($name:expr, $T:ident => $body:expr) => {
+        match $name {
+            $crate::cli::options::TaskName::Tagging => {
+                type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+            $crate::cli::options::TaskName::Parsing => {
+                type $T = $crate::tasks::parsing::Encoding;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_task;
+
+/// The bytes of a model file, and the task it is for.
+pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
+    let bytes = read(path)?;
+    let name = task_of(&bytes, path)?;
+    match TaskName::from_str(&name, false) {
+        Ok(task) => Ok((bytes, task)),
+        Err(_) => {
+            let known: Vec<String> = TaskName::value_variants().iter().filter_map(value_name).collect();
+            Err(Error::file(path, format!("a model for {name}"), format!("this program knows {}", known.join(", "))))
+        }
     }
-    let expected = format!("at least {}, because the model looks at column {} (from 0)", columns(needed), needed - 1);
-    Err(Error::data(corpus.place(0, 0), columns(found), expected))
 }
 
-/// So many columns, in words.
-pub fn columns(n: usize) -> String {
-    if n == 1 { "1 column".to_owned() } else { format!("{n} columns") }
+/// The name of a value on the command line.
+fn value_name(value: &impl ValueEnum) -> Option<String> {
+    Some(value.to_possible_value()?.get_name().to_owned())
+}
+
+/// What the command line adds to a task.
+pub trait Verbs: Task {
+    /// The settings that `options` ask for, for what `data` is.
+    fn settings(options: &Reading, data: &Self::Data) -> Result<Self::Settings>;
+
+    /// Refuses options of other tasks.
+    fn refuse(options: &Reading) -> Result<()>;
+
+    /// Looks for the right labels in this column.
+    fn set_column(&mut self, column: usize) -> Result<()>;
+
+    /// What to compare on where no data are given.
+    fn embedded() -> Option<Result<Both<Self::Data>>>;
+}
+
+/// Refuses the first of these options that is given.
+fn refuse(options: &[(&'static str, bool)], task: &str) -> Result<()> {
+    match options.iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Error::argument(name, "given", format!("left out: {task} has no such setting"))),
+        None => Ok(()),
+    }
+}
+
+impl Verbs for tagging::Encoding {
+    fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
+        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
+    }
+
+    fn refuse(options: &Reading) -> Result<()> {
+        refuse(&[("--system", options.system.is_some()), ("--cutoff", options.cutoff.is_some())], Self::NAME)
+    }
+
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        self.label_column = column;
+        Ok(())
+    }
+
+    fn embedded() -> Option<Result<Both<Corpus>>> {
+        Some(super::compare::embedded())
+    }
+}
+
+impl Verbs for parsing::Encoding {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {
+        let default = parsing::Settings::default();
+        let system = options.system.map_or(default.system, |name| match name {
+            SystemName::Hybrid => parsing::System::ArcHybrid,
+            SystemName::Standard => parsing::System::ArcStandard,
+            SystemName::Swap => parsing::System::ArcStandardSwap,
+        });
+        Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
+    }
+
+    fn refuse(options: &Reading) -> Result<()> {
+        let given = [
+            ("--template", options.template.is_some()),
+            ("--label-column", options.label_column.is_some()),
+            ("--order", options.order.is_some()),
+        ];
+        refuse(&given, Self::NAME)
+    }
+
+    fn set_column(&mut self, _: usize) -> Result<()> {
+        refuse(&[("--label-column", true)], Self::NAME)
+    }
+
+    fn embedded() -> Option<Result<Both<Self::Data>>> {
+        None
+    }
 }
 
 /// How a corpus is understood.
@@ -51,6 +158,25 @@ pub struct Reading {
     /// Learn from the first N sentences only [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub first: Option<u64>,
+    /// The moves of a parser [default: arc-hybrid]
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub system: Option<SystemName>,
+    /// Leave out features of a parser seen fewer times [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    pub cutoff: Option<u8>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SystemName {
+    /// Projective trees only, with an exact dynamic oracle
+    #[value(name = "arc-hybrid")]
+    Hybrid,
+    /// Projective trees only
+    #[value(name = "arc-standard")]
+    Standard,
+    /// All trees (Nivre 2009)
+    #[value(name = "arc-standard-swap")]
+    Swap,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -63,8 +189,8 @@ pub enum OrderName {
 
 impl Reading {
     /// Reads the corpus at `path` as far as it is to be used.
-    pub fn corpus(&self, path: &Path) -> Result<Corpus> {
-        let mut corpus = read_corpus(path)?;
+    pub fn corpus<T: Task>(&self, path: &Path) -> Result<T::Data> {
+        let mut corpus = read_corpus::<T>(path)?;
         if let Some(first) = self.first {
             corpus.truncate(usize::try_from(first).unwrap_or(usize::MAX));
         }
@@ -103,39 +229,6 @@ impl Reading {
     }
 }
 
-/// An order's name, as it is given on the command line.
-pub fn order_name(order: Order) -> &'static str {
-    match order {
-        Order::Free => "free",
-        Order::Bio => "iob2",
-    }
-}
-
-/// A trainer's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Algorithm {
-    /// Imitate the expert on the expert's own states
-    Supervised,
-    /// One classifier per step (Ross & Bagnell 2010, Algorithm 3.1)
-    Forward,
-    /// Stochastic mixing iterative learning (Algorithm 4.1)
-    Smile,
-    /// Search and learn, rolling out every action
-    Searn,
-    /// SEARN with the expert's own cost-to-go in place of roll-outs
-    SearnShortcut,
-    /// Dataset aggregation: fit anew on all labels after each round
-    Dagger,
-    /// Dataset aggregation with one online learner that goes on learning
-    DaggerOnline,
-}
-
-impl Algorithm {
-    pub fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-    }
-}
-
 /// A learner's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LearnerName {
@@ -161,154 +254,15 @@ impl LearnerName {
     }
 }
 
-/// How SMILe reuses samples, on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReuseName {
-    /// Not at all: Algorithm 4.1
-    None,
-    /// Algorithm 4.2 as printed
-    #[value(name = "4.2")]
-    Printed42,
-    /// Algorithm 4.3 as printed
-    #[value(name = "4.3")]
-    Printed43,
-    /// The exact form of 4.2
-    R1,
-    /// The exact form of 4.3
-    R2,
-    /// Exact, with the fewest new samples
-    Ageing,
-}
-
-impl From<ReuseName> for Reuse {
-    fn from(name: ReuseName) -> Self {
-        match name {
-            ReuseName::None => Reuse::None,
-            ReuseName::Printed42 => Reuse::Printed42,
-            ReuseName::Printed43 => Reuse::Printed43,
-            ReuseName::R1 => Reuse::Coins,
-            ReuseName::R2 => Reuse::Sites,
-            ReuseName::Ageing => Reuse::Ageing,
-        }
-    }
-}
-
-/// A trainer's settings.
-#[derive(Args)]
-#[command(next_help_heading = "The algorithm's settings")]
-pub struct TrainerOptions {
-    /// Rounds of smile [default: 7], searn, searn-shortcut, dagger and dagger-online [default: 5]
-    #[arg(long, value_name = "N")]
-    rounds: Option<usize>,
-    /// Mixing rate of smile, above 0 and at most 1 [default: 0.2]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    alpha: Option<f64>,
-    /// How smile reuses samples of earlier rounds; `--reuse` alone means ageing [default: none]
-    #[arg(long, value_enum, value_name = "HOW", num_args = 0..=1, default_missing_value = "ageing")]
-    reuse: Option<ReuseName>,
-    /// Mixing rate of searn and searn-shortcut, above 0 and at most 1 [default: 0.3]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    beta: Option<f64>,
-    /// Roll-outs of searn for each action [default: 1]
-    #[arg(long, value_name = "N")]
-    rollouts: Option<usize>,
-    /// Steps of forward that get a classifier of their own [default: 256]
-    #[arg(long, value_name = "N")]
-    longest: Option<usize>,
-    /// Let each new classifier start from the one before (not for supervised and dagger-online)
-    #[arg(long)]
-    warm: bool,
-}
-
-impl TrainerOptions {
-    /// Refuses a setting that is out of its range, or given though none of the trainers of these names has it.
-    pub fn check(&self, algorithms: &[Algorithm]) -> Result<()> {
-        let settings: Vec<_> = algorithms.iter().map(|algorithm| self.settings(*algorithm)).collect();
-        for i in 0..settings.first().map_or(0, |all| all.len()) {
-            let (name, given, _) = settings[0][i];
-            if given && !settings.iter().any(|all| all[i].2) {
-                let names: Vec<String> = algorithms.iter().map(|a| a.name()).collect();
-                let have = if names.len() == 1 { "has" } else { "have" };
-                let expected = format!("left out: {} {have} no such setting", names.join(", "));
-                return Err(Error::argument(name, "given", expected));
-            }
-        }
-        let counts = [("--rounds", self.rounds), ("--rollouts", self.rollouts), ("--longest", self.longest)];
-        if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
-            return Err(Error::argument(name, 0, "at least 1"));
-        }
-        for (name, rate) in [("--alpha", self.alpha), ("--beta", self.beta)] {
-            if let Some(rate) = rate.filter(|rate| !(*rate > 0.0 && *rate <= 1.0)) {
-                return Err(Error::argument(name, rate, "above 0 and at most 1"));
-            }
-        }
-        Ok(())
-    }
-
-    /// Each setting's name, whether it is given, and whether `algorithm` has it.
-    fn settings(&self, algorithm: Algorithm) -> [(&'static str, bool, bool); 7] {
-        use Algorithm::{DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U};
-        [
-            ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F)),
-            ("--alpha", self.alpha.is_some(), algorithm == M),
-            ("--reuse", self.reuse.is_some(), algorithm == M),
-            ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut)),
-            ("--rollouts", self.rollouts.is_some(), algorithm == S),
-            ("--longest", self.longest.is_some(), algorithm == F),
-            ("--warm", self.warm, !matches!(algorithm, U | DaggerOnline)),
-        ]
-    }
-
-    /// The trainer of this name with these settings.
-    pub fn trainer(&self, algorithm: Algorithm) -> Trainer {
-        use Algorithm::{
-            Dagger as D, DaggerOnline, Forward as F, Searn as S, SearnShortcut, Smile as M, Supervised as U,
-        };
-        let searn = || {
-            let default = Searn::default();
-            Searn {
-                beta: self.beta.unwrap_or(default.beta),
-                rounds: self.rounds.unwrap_or(default.rounds),
-                samples: self.rollouts.unwrap_or(default.samples),
-                warm: self.warm,
-            }
-        };
-        let dagger = || {
-            let default = Dagger::default();
-            Dagger { rounds: self.rounds.unwrap_or(default.rounds), warm: self.warm }
-        };
-        match algorithm {
-            U => Trainer::Supervised(Supervised {}),
-            F => {
-                let longest = self.longest.unwrap_or(Forward::default().longest);
-                Trainer::Forward(Forward { warm: self.warm, longest })
-            }
-            M => {
-                let default = Smile::default();
-                Trainer::Smile(Smile {
-                    alpha: self.alpha.unwrap_or(default.alpha),
-                    rounds: self.rounds.unwrap_or(default.rounds),
-                    warm: self.warm,
-                    reuse: self.reuse.map_or(default.reuse, Reuse::from),
-                })
-            }
-            S => Trainer::Searn(searn()),
-            SearnShortcut => Trainer::SearnShortcut(searn()),
-            D => Trainer::Dagger(dagger()),
-            DaggerOnline => Trainer::DaggerOnline(dagger()),
-        }
-    }
-}
-
 /// A learner with its settings.
 #[derive(Args)]
 #[command(next_help_heading = "The learner")]
 pub struct LearnerOptions {
-    /// What fits a classifier to the expert's answers
+    /// What fits a classifier to the expert's answers; not for early-update, which learns by itself
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online makes one a round
-    /// whatever is given [default: 5, wap 3, svm 100, crammer-singer 50]
+    /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online and lols-online make one a
+    /// round whatever is given [default: 5, wap 3, svm 100, crammer-singer 50]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
     /// AdaGrad's rate, for every learner but perceptron, svm and crammer-singer [default: 0.1, wap and filter-tree 0.2]
@@ -317,6 +271,9 @@ pub struct LearnerOptions {
     /// L2 penalty per example, for every learner but perceptron, svm and crammer-singer [default: 0]
     #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
+    /// Probability of a mistake below which logistic leaves an example alone: more is faster [default: 0.05]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    tolerance: Option<f32>,
     /// What a margin error costs svm and crammer-singer: C [default: 0.1]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     cost: Option<f32>,
@@ -341,6 +298,9 @@ impl LearnerOptions {
         if let Some(l2) = self.l2.filter(|l2| !(*l2 >= 0.0 && l2.is_finite())) {
             return Err(Error::argument("--l2", l2, "0 or more"));
         }
+        if let Some(tolerance) = self.tolerance.filter(|tolerance| !(*tolerance >= 0.0 && *tolerance < 1.0)) {
+            return Err(Error::argument("--tolerance", tolerance, "at least 0 and below 1"));
+        }
         if let Some(cost) = self.cost.filter(|cost| !(*cost > 0.0 && cost.is_finite())) {
             return Err(Error::argument("--cost", cost, "above 0"));
         }
@@ -354,7 +314,8 @@ impl LearnerOptions {
             LearnerName::Logistic => {
                 let default = Logistic::default();
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
-                AnyLearner::Logistic(Logistic { passes, rate, l2 })
+                let tolerance = self.tolerance.unwrap_or(default.tolerance);
+                AnyLearner::Logistic(Logistic { passes, rate, l2, tolerance })
             }
             LearnerName::Csoaa => {
                 let default = Csoaa::default();
@@ -391,6 +352,7 @@ impl LearnerOptions {
         let settings = [
             ("--rate", self.rate.is_some(), gradient),
             ("--l2", self.l2.is_some(), gradient),
+            ("--tolerance", self.tolerance.is_some(), self.learner == LearnerName::Logistic),
             ("--cost", self.cost.is_some(), margin),
         ];
         match settings.iter().find(|(_, given, has)| *given && !has) {

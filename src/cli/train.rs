@@ -1,21 +1,26 @@
 //! `rollin train`
 
-use super::options::{Algorithm, LearnerOptions, Reading, ReadingName, TrainerOptions, order_name};
+use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
+use super::options::{LearnerOptions, Reading, ReadingName, TaskName, Verbs, with_task};
 use super::progress::Bar;
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::check_writable;
 use crate::report::{Table, grouped};
 use crate::seed::Seed;
-use crate::tasks::tagging::{About, Encoding, Tagger};
-use crate::trainer::Run;
+use crate::tasks::{About, Data, Fact, Model};
+use crate::trainer::{Progress, Run};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Train a tagger and write its model file.
+/// Train a tagger or a parser and write its model file.
 #[derive(Args)]
+#[command(after_help = RECIPES)]
 pub struct Train {
-    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence (- for
+    /// What is learned
+    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    task: TaskName,
+    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence; for parsing CoNLL-U (- for
     /// standard input)
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
@@ -25,7 +30,7 @@ pub struct Train {
     /// The algorithm that decides at which states the expert is asked
     #[arg(long, value_enum, default_value = "dagger-online", value_name = "NAME")]
     algorithm: Algorithm,
-    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn)
+    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn, cpi)
     #[arg(long, value_enum, default_value = "mean", value_name = "NAME")]
     reading: ReadingName,
     #[command(flatten)]
@@ -38,67 +43,93 @@ pub struct Train {
 
 impl Train {
     pub fn run(&self, global: &Global) -> Result<()> {
+        with_task!(self.task, T => self.run_as::<T>(global))
+    }
+
+    fn run_as<T: Verbs>(&self, global: &Global) -> Result<()> {
+        T::refuse(&self.columns)?;
         self.trainer.check(&[self.algorithm])?;
         let trainer = self.trainer.trainer(self.algorithm);
         let learner = self.learner.learner()?;
-        if self.algorithm == Algorithm::DaggerOnline {
-            self.learner.refuse_passes("dagger-online makes one pass a round; use --rounds")?;
+        if matches!(self.algorithm, Algorithm::DaggerOnline | Algorithm::LolsOnline | Algorithm::EarlyUpdate) {
+            self.learner.refuse_passes(&format!("{} makes one pass a round; use --rounds", self.algorithm.name()))?;
         }
         if same_file(&self.model, &self.data) {
             return Err(Error::argument("--model", self.model.display(), "another file than --data"));
         }
         check_writable(&self.model)?;
-        let corpus = self.columns.corpus(&self.data)?;
-        let template = self.columns.template(&corpus)?;
-        let (encoding, space) = Encoding::learn(&corpus, self.columns.labels(), template, self.columns.order())?;
-        let problem = space.problem();
+        let corpus = self.columns.corpus::<T>(&self.data)?;
+        let (encoding, problem) = T::learn(&corpus, T::settings(&self.columns, &corpus)?)?;
 
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
-        let trained = trainer.train(&problem, &learner, &Run { seed: Seed::new(global.seed), watch: &watch })?;
+        let run = Run { seed: Seed::new(global.seed), watch: &watch };
+        let trained = T::train(&problem, &run, &|problem, run| trainer.train(problem, &learner, run))?;
         drop(bar);
 
         let about = About {
             trainer: to_json(&trainer),
-            learner: to_json(&learner),
+            learner: if self.algorithm == Algorithm::EarlyUpdate { "none".into() } else { to_json(&learner) },
             seed: global.seed,
             data: self.data.display().to_string(),
             sentences: corpus.sentences(),
             tokens: corpus.tokens(),
             ledger: trained.ledger,
         };
-        let tagger = Tagger::new(encoding, trained.policy.read_as(self.reading.into()), about)?;
-        tagger.save(&self.model)?;
+        let model = Model::new(encoding, trained.policy.read_as(self.reading.into()), about)?;
+        model.save(&self.model)?;
+        let facts = model.encoding.facts();
 
         if global.json {
-            return print_json(&serde_json::json!({
+            let mut report = serde_json::json!({
                 "model": self.model,
-                "about": tagger.about,
+                "about": model.about,
                 "rounds": trained.rounds,
-                "labels": tagger.encoding.labels,
-                "features": tagger.encoding.features(),
-            }));
+                "features": model.encoding.features(),
+            });
+            facts.into_iter().for_each(|fact| report[fact.name] = fact.value);
+            return print_json(&report);
         }
-        let mut table = Table::new(["round", "cost per sentence", "labels", "expert acts", "roll-out acts", "seconds"]);
-        for round in &trained.rounds {
-            table.row([
-                round.round.to_string(),
-                if round.cost.is_nan() { "-".into() } else { format!("{:.3}", round.cost) },
-                grouped(round.ledger.labels as f64),
-                grouped(round.ledger.expert_acts as f64),
-                grouped(round.ledger.rollout_acts as f64),
-                format!("{:.2}", round.seconds),
-            ]);
-        }
+        let table = rounds(&trained.rounds);
         print(&format!(
-            "{} sentences, {} tokens, {} labels, order {}\n\n{table}\nwrote {}\n",
+            "{} sentences, {} tokens{}\n\n{table}\nwrote {}\n",
             grouped(corpus.sentences() as f64),
             grouped(corpus.tokens() as f64),
-            tagger.encoding.labels.len(),
-            order_name(tagger.encoding.transitions.order()),
+            short(&facts),
             self.model.display(),
         ))
     }
+}
+
+/// How training went, round by round; regrets where there are any.
+fn rounds(rounds: &[Progress]) -> Table {
+    let regrets = rounds.iter().any(|round| round.regret.is_some());
+    let mut headings = vec!["round", "cost per sentence"];
+    headings.extend(regrets.then_some(["regret to the expert", "to deviations"]).into_iter().flatten());
+    headings.extend(["labels", "expert acts", "roll-out acts", "seconds"]);
+    let mut table = Table::new(headings);
+    let cell = |cost: Option<f64>| cost.filter(|c| !c.is_nan()).map_or("-".to_owned(), |cost| format!("{cost:.3}"));
+    for round in rounds {
+        let mut cells = vec![round.round.to_string(), cell(Some(round.cost))];
+        let regret = round.regret.unwrap_or_default();
+        cells.extend(regrets.then_some([cell(regret.reference), cell(regret.deviations)]).into_iter().flatten());
+        cells.extend([
+            grouped(round.ledger.labels as f64),
+            grouped(round.ledger.expert_acts as f64),
+            grouped(round.ledger.rollout_acts as f64),
+            format!("{:.2}", round.seconds),
+        ]);
+        table.row(cells);
+    }
+    table
+}
+
+/// The facts in a few words each: how many of what, then what is what.
+fn short(facts: &[Fact]) -> String {
+    let count = |fact: &Fact| fact.value.as_array().map(|all| format!(", {} {}", all.len(), fact.name));
+    let single = |fact: &&Fact| !fact.value.is_array() && !fact.text.is_empty() && !fact.text.contains('\n');
+    let others = facts.iter().filter(single).map(|fact| format!(", {} {}", fact.name, fact.text));
+    facts.iter().filter_map(count).chain(others).collect()
 }
 
 /// Whether both are there and are one file.

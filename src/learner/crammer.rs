@@ -2,7 +2,7 @@
 
 use super::dual::{Batch, Steps};
 use super::{Examples, Learner, Lesson, Online, Setting, Target, reduce};
-use crate::policy::{Columns, Linear};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory};
 use crate::seed::Seed;
 use crate::space::{Action, Features, Sight};
 use rand::seq::SliceRandom;
@@ -45,15 +45,27 @@ impl Default for CrammerSinger {
 }
 
 /// The variables of one example: what is known and what is sought.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Subproblem {
     /// For each legal action: its gradient, first with, then without what its own variable adds.
     gradients: Vec<f32>,
     sorted: Vec<f32>,
     costs: Vec<f32>,
+    /// The variables of an example that comes up but once.
+    passing: Vec<f32>,
 }
 
 impl Subproblem {
+    /// [`Subproblem::solve`] for an example whose variables are all 0 before and of no interest after. Returns whether anything changed.
+    fn solve_once(&mut self, lesson: Lesson<'_>, size: (f32, f32), scores: &[f32], change: &mut [f32]) -> bool {
+        let mut alphas = std::mem::take(&mut self.passing);
+        alphas.clear();
+        alphas.resize(lesson.actions, 0.0);
+        let violation = self.solve(lesson, size, scores, &mut alphas, change);
+        self.passing = alphas;
+        violation > 0.0
+    }
+
     /// Solves for the variables `alphas` of an example with `norm` features, of which that of the cheapest action is at most `most`, the others 0,
     /// all of them 0 in sum. Writes how much each changed into `change` and returns how much the conditions were violated.
     fn solve(
@@ -129,10 +141,9 @@ impl Learner<Features> for CrammerSinger {
                 let (fixed, dynamic) = batch.features(n as usize);
                 let lesson = Lesson { actions: k, legal: examples.legal(i), target: examples.target(i) };
                 let alphas = &mut alphas[n as usize * k..][..k];
-                let size = ((fixed.len() + dynamic.len()) as f32, self.cost * count);
                 steps.score(fixed, dynamic);
-                steps.change(fixed, dynamic, |scores, change| {
-                    let violation = problem.solve(lesson, size, scores, alphas, change);
+                steps.change((fixed, dynamic), lesson, |lesson, norm, scores, change| {
+                    let violation = problem.solve(lesson, (norm, self.cost * count), scores, alphas, change);
                     worst = worst.max(violation);
                     violation > 0.0
                 });
@@ -146,26 +157,40 @@ impl Learner<Features> for CrammerSinger {
 }
 
 /// A [`CrammerSinger`] in the middle of learning.
+#[derive(Clone, Debug)]
 pub struct CrammerCourse {
     steps: Steps,
     problem: Subproblem,
-    alphas: Vec<f32>,
+}
+
+/// The weights as they are now. A memory serves until the course learns again.
+impl Classifier<Features> for CrammerCourse {
+    type Memory = LinearMemory;
+
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        self.steps.scores(sight, memory)
+    }
 }
 
 impl Online<Features> for CrammerSinger {
     type Course = CrammerCourse;
 
     fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> CrammerCourse {
-        let steps = Steps::begin(Columns::Actions, setting, warm);
-        CrammerCourse { steps, problem: Subproblem::default(), alphas: vec![0.0; setting.actions] }
+        CrammerCourse { steps: Steps::begin(Columns::Actions, setting, warm), problem: Subproblem::default() }
     }
 
     fn learn(&self, course: &mut CrammerCourse, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
-        let CrammerCourse { steps, problem, alphas } = course;
+        let CrammerCourse { steps, problem } = course;
         steps.meet(sight, target, |lesson, norm, scores, change| {
-            alphas.fill(0.0);
-            problem.solve(lesson, (norm, self.cost), scores, alphas, change) > 0.0
+            problem.solve_once(lesson, (norm, self.cost), scores, change)
         })
+    }
+
+    fn study(&self, course: &mut CrammerCourse, setting: Setting<'_, Features>, examples: &Examples<Features>) {
+        let CrammerCourse { steps, problem } = course;
+        steps.study(setting, examples, |lesson, norm, scores, change| {
+            problem.solve_once(lesson, (norm, self.cost), scores, change)
+        });
     }
 
     fn finish(&self, course: CrammerCourse) -> Linear {

@@ -2,7 +2,7 @@
 
 use super::{Examples, Lesson, Setting, Target};
 use crate::index::Index;
-use crate::policy::{Columns, Linear, Weights, votes};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, votes};
 use crate::space::{Action, FeatureTable, Features, Sight, StoredFeatures};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -86,7 +86,7 @@ pub struct Steps {
 impl Steps {
     /// No weights, or those of `warm`.
     pub(super) fn begin(columns: Columns, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Self {
-        let blank = || Weights::new(setting.shared.features(), columns.count(setting.actions), 1);
+        let blank = || Weights::new(setting.shared.features(), columns.count(setting.actions));
         let weights = warm.map_or_else(blank, |warm| warm.weights.clone());
         let (scores, change) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
         Steps { actions: setting.actions, columns, weights, scores, change, votes: Vec::new() }
@@ -101,11 +101,17 @@ impl Steps {
         &self.scores
     }
 
-    /// Adds to the weights of these features what `step` writes, from the scores found last, into a change of zeros.
+    /// Adds to the weights of these features what `step` writes into a change of zeros, given the lesson, the number of features and the
+    /// scores found last.
     #[inline]
-    pub(super) fn change(&mut self, fixed: &[u32], dynamic: &[u32], step: impl FnOnce(&[f32], &mut [f32]) -> bool) {
+    pub(super) fn change(
+        &mut self,
+        (fixed, dynamic): (&[u32], &[u32]),
+        lesson: Lesson<'_>,
+        step: impl FnOnce(Lesson<'_>, f32, &[f32], &mut [f32]) -> bool,
+    ) {
         self.change.fill(0.0);
-        if step(&self.scores, &mut self.change) {
+        if step(lesson, (fixed.len() + dynamic.len()) as f32, &self.scores, &mut self.change) {
             for &feature in fixed.iter().chain(dynamic) {
                 let row = self.weights.row_mut(feature);
                 row.iter_mut().zip(&self.change).for_each(|(w, change)| *w += change);
@@ -113,7 +119,7 @@ impl Steps {
         }
     }
 
-    /// What is best at `sight` so far; then makes `step`, which is given the lesson, the number of features, the scores and the change.
+    /// What is best at `sight` so far; then makes `step`.
     pub(super) fn meet(
         &mut self,
         sight: &Sight<'_, Features>,
@@ -130,15 +136,38 @@ impl Steps {
             }
         };
         if let Some(target) = target {
-            let lesson = Lesson { actions: self.actions, legal: sight.legal, target };
-            let norm = (fixed.len() + dynamic.len()) as f32;
-            self.change(fixed, dynamic, |scores, change| step(lesson, norm, scores, change));
+            self.change((fixed, dynamic), Lesson { actions: self.actions, legal: sight.legal, target }, step);
         }
         choice
     }
 
+    /// Makes `step` at each of `examples`, in their order.
+    pub(super) fn study(
+        &mut self,
+        setting: Setting<'_, Features>,
+        examples: &Examples<Features>,
+        mut step: impl FnMut(Lesson<'_>, f32, &[f32], &mut [f32]) -> bool,
+    ) {
+        for i in 0..examples.len() {
+            let (row, dynamic) = examples.views().get(i);
+            let fixed = setting.shared.row(row);
+            let lesson = Lesson { actions: self.actions, legal: examples.legal(i), target: examples.target(i) };
+            self.score(fixed, dynamic);
+            self.change((fixed, dynamic), lesson, &mut step);
+        }
+    }
+
     /// What has been learned.
     pub(super) fn finish(self) -> Linear {
-        Linear { actions: self.actions, columns: self.columns, weights: self.weights.fold(|_| {}) }
+        Linear { actions: self.actions, columns: self.columns, weights: self.weights.map_rows(|_, _| {}) }
+    }
+}
+
+/// The weights as they are now. A memory serves until a step is made.
+impl Classifier<Features> for Steps {
+    type Memory = LinearMemory;
+
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        memory.scores(self.columns, self.actions, &self.weights, sight)
     }
 }

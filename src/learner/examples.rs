@@ -53,6 +53,14 @@ impl<V: View> Examples<V> {
         });
     }
 
+    /// The costs of the last example, where it is one of costs: for what becomes known only after the state was left.
+    pub fn last_costs_mut(&mut self) -> Option<&mut [f32]> {
+        match self.targets.last()? {
+            Kept::CostsFrom(start) => Some(&mut self.costs[*start..]),
+            Kept::Label(_) => None,
+        }
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.targets.len()

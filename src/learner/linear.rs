@@ -1,7 +1,7 @@
 //! What all linear learners share: passes over the examples, descent along a gradient in the columns, averaging.
 
 use super::{Examples, Learner, Online, Setting, Target};
-use crate::policy::{Columns, Linear, Weights, votes};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, votes};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, Features, Sight};
 use rand::seq::SliceRandom;
@@ -22,11 +22,11 @@ pub enum Descent {
 }
 
 impl Descent {
-    /// Planes: the weight, the sum of its changes times when they came, and the sum of squared gradients.
-    fn planes(self) -> usize {
+    /// What is kept of each weight beside it: the sum of its changes times when they came, and the sum of squared gradients.
+    fn beside(self) -> usize {
         match self {
-            Descent::Plain => 2,
-            Descent::Adaptive { .. } => 3,
+            Descent::Plain => 1,
+            Descent::Adaptive { .. } => 2,
         }
     }
 }
@@ -64,6 +64,9 @@ pub struct Course {
     actions: usize,
     columns: Columns,
     weights: Weights,
+    /// What is kept of each weight beside it: away from the weights, because every score needs those and only changes need these. Row
+    /// after row as in the weights, block after block, what is kept of a block's weights side by side.
+    beside: Vec<Block>,
     /// Examples seen.
     seen: u64,
     scores: Vec<f32>,
@@ -104,25 +107,28 @@ impl Course {
 
     fn change(&mut self, descent: Descent, features: &[u32]) {
         let when = self.seen as f32;
-        let plane = self.weights.stride() / BLOCK;
-        // The scores have brought the weights into the cache, but not what lies behind them: one look at each row, and all
-        // are on their way at once.
-        let ahead = features.iter().filter_map(|feature| self.weights.row(*feature));
-        let ahead = ahead.flat_map(|row| row.iter().skip(32).step_by(16)).fold(0, |all, w| all | w.to_bits());
-        std::hint::black_box(ahead);
+        let blocks = self.weights.stride() / BLOCK;
+        let width = blocks * descent.beside();
         for &feature in features {
-            let (w, rest) = self.weights.row_mut(feature).as_chunks_mut().0.split_at_mut(plane);
-            let (u, squares) = rest.split_at_mut(plane);
+            let place = self.weights.make_place(feature);
+            if self.beside.len() < (place + 1) * width {
+                self.beside.resize((place + 1) * width, [0.0; BLOCK]);
+            }
+            let w = self.weights.row_mut(feature).as_chunks_mut().0;
+            let beside = &mut self.beside[place * width..(place + 1) * width];
             match descent {
                 Descent::Plain => {
                     for (block, g) in &self.blocks {
-                        (w[*block], u[*block]) = plain(when, *g, w[*block], u[*block]);
+                        (w[*block], beside[*block]) = plain(when, *g, w[*block], beside[*block]);
                     }
                 }
                 Descent::Adaptive { rate, l2 } => {
+                    let beside = beside.as_chunks_mut::<2>().0;
                     for (block, g) in &self.blocks {
-                        let now = (w[*block], u[*block], squares[*block]);
-                        (w[*block], u[*block], squares[*block]) = adaptive(rate, l2, when, *g, now);
+                        let [u, squares] = beside[*block];
+                        let now = (w[*block], u, squares);
+                        let (weight, u, squares) = adaptive(rate, l2, when, *g, now);
+                        (w[*block], beside[*block]) = (weight, [u, squares]);
                     }
                 }
             }
@@ -153,6 +159,15 @@ fn adaptive(rate: f32, l2: f32, when: f32, g: Block, now: (Block, Block, Block))
         u[c] -= when * change;
     }
     (w, u, s)
+}
+
+/// The weights as they are now, not their average. A memory serves until the course learns again.
+impl Classifier<Features> for Course {
+    type Memory = LinearMemory;
+
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        memory.scores(self.columns, self.actions, &self.weights, sight)
+    }
 }
 
 impl<R: Rule> Learner<Features> for R {
@@ -187,7 +202,7 @@ impl<R: Rule> Online<Features> for R {
     fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Course {
         let columns = self.columns();
         let count = columns.count(setting.actions);
-        let mut weights = Weights::new(setting.shared.features(), count, self.descent().planes());
+        let mut weights = Weights::new(setting.shared.features(), count);
         if let Some(warm) = warm {
             for feature in 0..warm.weights.features() as u32 {
                 if let Some(row) = warm.weights.row(feature) {
@@ -197,7 +212,17 @@ impl<R: Rule> Online<Features> for R {
         }
         let (scores, gradient) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
         let (blocks, votes) = (Vec::new(), Vec::new());
-        Course { actions: setting.actions, columns, weights, seen: 0, scores, gradient, blocks, votes }
+        Course {
+            actions: setting.actions,
+            columns,
+            weights,
+            beside: Vec::new(),
+            seen: 0,
+            scores,
+            gradient,
+            blocks,
+            votes,
+        }
     }
 
     #[inline]
@@ -217,12 +242,23 @@ impl<R: Rule> Online<Features> for R {
         choice
     }
 
+    fn study(&self, course: &mut Course, setting: Setting<'_, Features>, examples: &Examples<Features>) {
+        for i in 0..examples.len() {
+            let (row, dynamic) = examples.views().get(i);
+            let fixed = setting.shared.row(row);
+            course.score(fixed, dynamic);
+            course.learn(self, fixed, dynamic, examples.legal(i), examples.target(i));
+        }
+    }
+
     fn finish(&self, course: Course) -> Linear {
-        let stride = course.weights.stride();
         let seen = course.seen.max(1) as f32;
-        let weights = course.weights.fold(|planes| {
-            let (w, rest) = planes.split_at_mut(stride);
-            w.iter_mut().zip(rest).for_each(|(w, u)| *w -= *u / seen);
+        let (blocks, each) = (course.weights.stride() / BLOCK, self.descent().beside());
+        let weights = course.weights.map_rows(|place, row| {
+            let Some(beside) = course.beside.get(place * blocks * each..) else { return };
+            for (w, kept) in row.as_chunks_mut::<BLOCK>().0.iter_mut().zip(beside.chunks_exact(each)) {
+                w.iter_mut().zip(&kept[0]).for_each(|(w, u)| *w -= *u / seen);
+            }
         });
         Linear { actions: course.actions, columns: course.columns, weights }
     }

@@ -15,16 +15,16 @@ pub struct Logistic {
     pub rate: f32,
     /// The weight of half the squared norm, per example.
     pub l2: f32,
+    /// The probability of a mistake below which an example changes nothing, in [0, 1). What is almost certain already has next to no
+    /// gradient, but most examples are of that kind: leaving them out makes a pass several times as fast.
+    pub tolerance: f32,
 }
 
 impl Default for Logistic {
     fn default() -> Self {
-        Logistic { passes: 5, rate: 0.1, l2: 0.0 }
+        Logistic { passes: 5, rate: 0.1, l2: 0.0, tolerance: 0.05 }
     }
 }
-
-/// Below this probability of a mistake an example changes nothing: its gradient would not be seen in the weights.
-const SURE: f32 = 1e-4;
 
 impl Rule for Logistic {
     fn columns(&self) -> Columns {
@@ -52,7 +52,7 @@ impl Rule for Logistic {
             gradient[action.index()] = share;
             total += share;
         }
-        if 1.0 - gradient[label.index()] / total < SURE {
+        if 1.0 - gradient[label.index()] / total < self.tolerance {
             return false;
         }
         for action in example.legal.iter() {

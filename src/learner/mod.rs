@@ -37,7 +37,7 @@ pub use logistic::Logistic;
 pub use net::{Net, NetCourse, Step};
 pub use perceptron::Perceptron;
 pub use ridge::Ridge;
-pub use svm::Svm;
+pub use svm::{Svm, SvmCourse};
 pub use tabular::Tabular;
 pub use tree::FilterTree;
 pub use wap::Wap;
@@ -89,14 +89,17 @@ pub trait Learner<V: View>: Sync {
 
 /// A learner that learns example by example and can act in between.
 pub trait Online<V: View>: Learner<V> {
-    /// Learning in progress.
-    type Course;
+    /// Learning in progress, which acts as far as it has learned.
+    type Course: Classifier<V>;
 
     /// Begins, from `warm` where it is given.
     fn begin(&self, setting: Setting<'_, V>, warm: Option<&Self::Classifier>) -> Self::Course;
 
     /// Says what it would do at `sight` as far as it has learned, and then learns from `target`, if there is any.
     fn learn(&self, course: &mut Self::Course, sight: &Sight<'_, V>, target: Option<Target<'_>>) -> Action;
+
+    /// Learns from all of `examples` once, in their order.
+    fn study(&self, course: &mut Self::Course, setting: Setting<'_, V>, examples: &Examples<V>);
 
     /// What has been learned.
     fn finish(&self, course: Self::Course) -> Self::Classifier;

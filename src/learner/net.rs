@@ -1,7 +1,7 @@
 //! A net of one hidden layer, by backpropagation.
 
 use super::{Examples, Learner, Lesson, Online, Setting, Target, reduce};
-use crate::policy::{Columns, Linear, Neural, Weights, forward};
+use crate::policy::{Classifier, Columns, Linear, Neural, NeuralMemory, Weights, forward};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Sight};
 use rand::RngExt;
@@ -57,16 +57,38 @@ impl Default for Net {
     }
 }
 
-/// Weights, their gradient in the batch, its running mean and that of its square: one behind the other, all of one length.
-const PLANES: usize = 4;
+/// What is kept of weights beside them: their gradient in the batch, its running mean and that of its square, one behind the other, each as
+/// long as the weights.
+const BESIDE: usize = 3;
+
+/// The weights of the input.
+#[derive(Clone, Debug)]
+struct Input {
+    weights: Weights,
+    /// What is kept beside them, row after row as in the weights.
+    beside: Vec<f32>,
+}
+
+impl Input {
+    /// The weights of `feature` and what is kept beside them.
+    fn row(&mut self, feature: u32) -> (&mut [f32], &mut [f32]) {
+        let (place, width) = (self.weights.make_place(feature), BESIDE * self.weights.stride());
+        if self.beside.len() < (place + 1) * width {
+            self.beside.resize((place + 1) * width, 0.0);
+        }
+        (self.weights.row_mut(feature), &mut self.beside[place * width..(place + 1) * width])
+    }
+}
 
 /// A net in the making.
 #[derive(Clone, Debug)]
 pub struct NetCourse {
     seed: Seed,
-    input: Weights,
-    /// All planes of what [`Neural`] has beside its input.
+    input: Input,
+    /// What [`Neural`] has but for its input.
     dense: Vec<f32>,
+    /// What is kept beside that.
+    beside: Vec<f32>,
     actions: usize,
     units: Vec<f32>,
     scores: Vec<f32>,
@@ -85,21 +107,20 @@ impl NetCourse {
     /// What the net gives for the features at hand.
     fn score(&mut self, fixed: &[u32], dynamic: &[u32]) {
         for &feature in fixed.iter().chain(dynamic) {
-            if self.input.row(feature).is_none() {
+            if self.input.weights.row(feature).is_none() {
                 let scale = 1.0 / ((fixed.len() + dynamic.len()) as f32).sqrt();
                 let mut rng = self.seed.child(Purpose::Learner, u64::from(feature)).rng();
-                let row = self.input.row_mut(feature);
+                let (row, _) = self.input.row(feature);
                 row[..self.units.len()].iter_mut().for_each(|w| *w = scale * (2.0 * rng.random::<f32>() - 1.0));
             }
         }
-        let stride = self.input.stride();
         self.slopes.clear();
-        self.slopes.resize(stride, 0.0);
-        self.input.add_to(fixed, &mut self.slopes);
-        self.input.add_to(dynamic, &mut self.slopes);
+        self.slopes.resize(self.input.weights.stride(), 0.0);
+        self.input.weights.add_to(fixed, &mut self.slopes);
+        self.input.weights.add_to(dynamic, &mut self.slopes);
         let width = self.units.len();
         self.units.copy_from_slice(&self.slopes[..width]);
-        forward(&self.dense[..Neural::size(width, self.actions)], &mut self.units, &mut self.scores);
+        forward(&self.dense, &mut self.units, &mut self.scores);
     }
 
     /// Adds the gradient of the example that was scored last to the batch's.
@@ -109,9 +130,8 @@ impl NetCourse {
             return false;
         }
         let width = self.units.len();
-        let (w, rest) = self.dense.split_at_mut(Neural::size(width, self.actions));
-        let w = &w[width + self.actions..];
-        let (bias, rest) = rest.split_at_mut(width);
+        let w = &self.dense[width + self.actions..];
+        let (bias, rest) = self.beside[..self.dense.len()].split_at_mut(width);
         let (offsets, outputs) = rest.split_at_mut(self.actions);
         let high = self.scores[lesson.legal.best(&self.scores).index()];
         let total: f32 = lesson.legal.iter().map(|a| (self.scores[a.index()] - high).exp()).sum();
@@ -129,9 +149,8 @@ impl NetCourse {
             *slope *= h * (1.0 - h);
             *g += *slope;
         }
-        let stride = self.input.stride();
         for &feature in fixed.iter().chain(dynamic) {
-            let g = &mut self.input.row_mut(feature)[stride..2 * stride];
+            let (_, g) = self.input.row(feature);
             g.iter_mut().zip(&self.slopes).for_each(|(g, slope)| *g += slope);
             if std::mem::replace(&mut self.batches[feature as usize], self.time) != self.time {
                 self.touched.push(feature);
@@ -150,18 +169,17 @@ impl Net {
         }
         let (share, time) = (1.0 / course.pending as f32, course.time as i32);
         for feature in course.touched.drain(..) {
-            self.change(course.input.row_mut(feature), share, time);
+            self.change(course.input.row(feature), share, time);
         }
-        self.change(&mut course.dense, share, time);
+        self.change((&mut course.dense, &mut course.beside), share, time);
         course.pending = 0;
         course.time += 1;
     }
 
-    /// Changes the first of `planes`; the gradient counts `share` of itself and is zero after.
-    fn change(&self, planes: &mut [f32], share: f32, time: i32) {
-        let width = planes.len() / PLANES;
-        let (w, rest) = planes.split_at_mut(width);
-        let (g, rest) = rest.split_at_mut(width);
+    /// Changes the weights `w` by what is kept `beside` them; the gradient counts `share` of itself and is zero after.
+    fn change(&self, (w, beside): (&mut [f32], &mut [f32]), share: f32, time: i32) {
+        let width = w.len();
+        let (g, rest) = beside.split_at_mut(width);
         let (means, squares) = rest.split_at_mut(width);
         let (first, second) = (1.0 - 0.9f32.powi(time), 1.0 - 0.999f32.powi(time));
         for i in 0..width {
@@ -186,6 +204,24 @@ impl Net {
             self.step(course);
         }
     }
+
+    /// Learns from example `i`.
+    fn take(&self, course: &mut NetCourse, setting: Setting<'_, Features>, examples: &Examples<Features>, i: usize) {
+        let (row, dynamic) = examples.views().get(i);
+        let fixed = setting.shared.row(row);
+        course.score(fixed, dynamic);
+        let lesson = Lesson { actions: setting.actions, legal: examples.legal(i), target: examples.target(i) };
+        self.learn(course, fixed, dynamic, lesson);
+    }
+}
+
+/// The weights as they are now; features not met so far count nothing. A memory serves until the course learns again.
+impl Classifier<Features> for NetCourse {
+    type Memory = NeuralMemory;
+
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut NeuralMemory) -> &'m [f32] {
+        memory.scores((&self.input.weights, &self.dense), (self.units.len(), self.actions), sight)
+    }
 }
 
 impl Learner<Features> for Net {
@@ -205,12 +241,7 @@ impl Learner<Features> for Net {
         for _ in 0..self.passes {
             order.shuffle(&mut rng);
             for &i in &order {
-                let i = i as usize;
-                let (row, dynamic) = examples.views().get(i);
-                let fixed = setting.shared.row(row);
-                course.score(fixed, dynamic);
-                let lesson = Lesson { actions: setting.actions, legal: examples.legal(i), target: examples.target(i) };
-                self.learn(&mut course, fixed, dynamic, lesson);
+                self.take(&mut course, setting, examples, i as usize);
             }
         }
         self.finish(course)
@@ -223,19 +254,20 @@ impl Online<Features> for Net {
     /// Without a seed of its own every course draws the same first weights.
     fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Neural>) -> NetCourse {
         let (features, actions) = (setting.shared.features(), setting.actions);
-        let mut input = Weights::new(features, self.units, PLANES);
-        let mut dense = vec![0.0; PLANES * Neural::size(self.units, actions)];
+        let mut input = Input { weights: Weights::new(features, self.units), beside: Vec::new() };
+        let mut dense = vec![0.0; Neural::size(self.units, actions)];
         if let Some(warm) = warm.filter(|warm| warm.units() == self.units && warm.actions() == actions) {
-            dense[..warm.dense.len()].copy_from_slice(&warm.dense);
+            dense.copy_from_slice(&warm.dense);
             for feature in 0..warm.input.weights.features() as u32 {
                 if let Some(row) = warm.input.weights.row(feature) {
-                    input.row_mut(feature)[..row.len()].copy_from_slice(row);
+                    input.row(feature).0.copy_from_slice(row);
                 }
             }
         }
         NetCourse {
             seed: Seed::new(0),
             input,
+            beside: vec![0.0; BESIDE * dense.len()],
             dense,
             actions,
             units: vec![0.0; self.units],
@@ -258,10 +290,14 @@ impl Online<Features> for Net {
         choice
     }
 
+    fn study(&self, course: &mut NetCourse, setting: Setting<'_, Features>, examples: &Examples<Features>) {
+        (0..examples.len()).for_each(|i| self.take(course, setting, examples, i));
+    }
+
     fn finish(&self, mut course: NetCourse) -> Neural {
         self.step(&mut course);
-        course.dense.truncate(Neural::size(self.units, course.actions));
-        let input = Linear { actions: self.units, columns: Columns::Actions, weights: course.input.fold(|_| {}) };
+        let weights = course.input.weights.map_rows(|_, _| {});
+        let input = Linear { actions: self.units, columns: Columns::Actions, weights };
         Neural { input, dense: course.dense }
     }
 }
@@ -276,7 +312,7 @@ mod tests {
     fn the_gradient_is_that_of_the_loss() {
         let (table, net) = (FeatureTable::new(3), Net { units: 4, batch: usize::MAX, ..Net::default() });
         let mut course = net.begin(Setting { shared: &table, actions: 3 }, None);
-        course.dense.iter_mut().take(Neural::size(4, 3)).enumerate().for_each(|(i, w)| *w = (i as f32).sin());
+        course.dense.iter_mut().enumerate().for_each(|(i, w)| *w = (i as f32).sin());
         let legal = [Action(0), Action(2)];
         let costs = Target::Costs(&[1.5, 0.0]);
         let lesson = Lesson { actions: 3, legal: Actions::Only(&legal), target: costs };
@@ -287,31 +323,30 @@ mod tests {
         };
         loss(&mut course);
         assert!(course.backward(&[0], &[2], lesson));
-        let (size, step) = (Neural::size(4, 3), 1e-2f32);
+        let step = 1e-2f32;
         let near = |found: f32, up: f64, down: f64| {
             let expected = (up - down) / (2.0 * f64::from(step));
             assert!((f64::from(found) - expected).abs() < 1e-3, "{found} for {expected}");
         };
-        for i in 0..size {
+        for i in 0..course.dense.len() {
             let w = course.dense[i];
             let [up, down] = [step, -step].map(|by| {
                 course.dense[i] = w + by;
                 loss(&mut course)
             });
             course.dense[i] = w;
-            near(course.dense[size + i], up, down);
+            near(course.beside[i], up, down);
         }
-        let stride = course.input.stride();
         for (feature, unit) in [(0, 0), (0, 3), (2, 1)] {
-            let w = course.input.row_mut(feature)[unit];
+            let w = course.input.row(feature).0[unit];
             let [up, down] = [step, -step].map(|by| {
-                course.input.row_mut(feature)[unit] = w + by;
+                course.input.row(feature).0[unit] = w + by;
                 loss(&mut course)
             });
-            course.input.row_mut(feature)[unit] = w;
-            near(course.input.row_mut(feature)[stride + unit], up, down);
+            course.input.row(feature).0[unit] = w;
+            near(course.input.row(feature).1[unit], up, down);
         }
         assert_eq!(course.touched, [0, 2]);
-        assert!(course.input.row(1).is_none());
+        assert!(course.input.weights.row(1).is_none());
     }
 }

@@ -108,7 +108,7 @@ impl Learner<Features> for Ridge {
             rows.weights.push(weight);
             rows.spread(n, weight * f64::from(value_of(self.interval, best.index(), actions)), &mut right);
         }
-        let mut weights = Weights::new(features, 1, 1);
+        let mut weights = Weights::new(features, 1);
         for (feature, w) in rows.solve(right, self.steps).into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
             weights.row_mut(feature as u32)[0] = w as f32;
         }

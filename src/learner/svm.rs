@@ -2,7 +2,7 @@
 
 use super::dual::{Batch, Steps};
 use super::{Examples, Learner, Lesson, Online, Setting, Target, Wap};
-use crate::policy::{Columns, Linear, Weights};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Sight};
 use rand::seq::SliceRandom;
@@ -179,7 +179,7 @@ impl Learner<Features> for Svm {
                 self.solve(&batch, items.collect(), features, seed.child(Purpose::Learner, column))
             })
             .collect();
-        let mut weights = Weights::new(features, Columns::Pairs.count(k), 1);
+        let mut weights = Weights::new(features, Columns::Pairs.count(k));
         for (column, solved) in solved.into_iter().enumerate() {
             for (feature, w) in solved {
                 weights.row_mut(feature)[column] = w;
@@ -189,37 +189,70 @@ impl Learner<Features> for Svm {
     }
 }
 
-impl Online<Features> for Svm {
-    type Course = (Steps, Vec<f32>, Vec<f32>);
+/// An [`Svm`] in the middle of learning.
+#[derive(Clone, Debug)]
+pub struct SvmCourse {
+    steps: Steps,
+    pairs: Pairs,
+}
 
-    fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Self::Course {
-        (Steps::begin(Columns::Pairs, setting, warm), vec![0.0; setting.actions], Vec::new())
-    }
+/// The pairs of one example.
+#[derive(Clone, Debug)]
+struct Pairs {
+    values: Vec<f32>,
+    scratch: Vec<f32>,
+}
 
-    fn learn(
-        &self,
-        (steps, values, scratch): &mut Self::Course,
-        sight: &Sight<'_, Features>,
-        target: Option<Target<'_>>,
-    ) -> Action {
-        steps.meet(sight, target, |lesson, norm, scores, change| {
-            value(lesson, values, scratch);
-            let mut any = false;
-            for i in 0..lesson.actions {
-                for j in i + 1..lesson.actions {
-                    let (column, more) = (Columns::pair(lesson.actions, i, j), values[j] - values[i]);
-                    let short = 1.0 - more.signum() * scores[column];
-                    if more.abs() > 0.0 && short > 0.0 {
-                        change[column] = more.signum() * (short / norm).min(self.cost * more.abs());
-                        any = true;
-                    }
+impl Pairs {
+    /// Writes the step in the dual of each pair at which these scores fall short of the margin into `change`. Returns whether there is any.
+    fn step(&mut self, cost: f32, lesson: Lesson<'_>, norm: f32, scores: &[f32], change: &mut [f32]) -> bool {
+        let Pairs { values, scratch } = self;
+        value(lesson, values, scratch);
+        let mut any = false;
+        for i in 0..lesson.actions {
+            for j in i + 1..lesson.actions {
+                let (column, more) = (Columns::pair(lesson.actions, i, j), values[j] - values[i]);
+                let short = 1.0 - more.signum() * scores[column];
+                if more.abs() > 0.0 && short > 0.0 {
+                    change[column] = more.signum() * (short / norm).min(cost * more.abs());
+                    any = true;
                 }
             }
-            any
-        })
+        }
+        any
+    }
+}
+
+/// The weights as they are now. A memory serves until the course learns again.
+impl Classifier<Features> for SvmCourse {
+    type Memory = LinearMemory;
+
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        self.steps.scores(sight, memory)
+    }
+}
+
+impl Online<Features> for Svm {
+    type Course = SvmCourse;
+
+    fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> SvmCourse {
+        let pairs = Pairs { values: vec![0.0; setting.actions], scratch: Vec::new() };
+        SvmCourse { steps: Steps::begin(Columns::Pairs, setting, warm), pairs }
     }
 
-    fn finish(&self, (steps, ..): Self::Course) -> Linear {
-        steps.finish()
+    fn learn(&self, course: &mut SvmCourse, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
+        let SvmCourse { steps, pairs } = course;
+        steps.meet(sight, target, |lesson, norm, scores, change| pairs.step(self.cost, lesson, norm, scores, change))
+    }
+
+    fn study(&self, course: &mut SvmCourse, setting: Setting<'_, Features>, examples: &Examples<Features>) {
+        let SvmCourse { steps, pairs } = course;
+        steps.study(setting, examples, |lesson, norm, scores, change| {
+            pairs.step(self.cost, lesson, norm, scores, change)
+        });
+    }
+
+    fn finish(&self, course: SvmCourse) -> Linear {
+        course.steps.finish()
     }
 }

@@ -38,7 +38,7 @@ impl Learner<Features> for Tabular {
                 }
             }
         }
-        let mut weights = Weights::new(features, actions, 1);
+        let mut weights = Weights::new(features, actions);
         for (feature, sums) in sums.chunks(actions).enumerate().filter(|(feature, _)| seen[*feature]) {
             let best = Actions::All(actions as u32).iter().min_by(|a, b| sums[a.index()].total_cmp(&sums[b.index()]));
             if let Some(best) = best {

@@ -36,24 +36,21 @@ impl Columns {
 }
 
 /// Rows of weights, one for each feature that has any, each contiguous over the columns and padded to eight.
-///
-/// A row may have several planes of the same width: what scores first, then whatever a learner keeps beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weights {
     columns: usize,
     stride: usize,
-    planes: usize,
     /// The row of a feature; 0 when it has none.
     index: Vec<u32>,
-    /// Row r, plane p, column c at (r * planes + p) * stride + c. Row 0 is all zero.
+    /// Row r, column c at r * stride + c. Row 0 is all zero.
     rows: Vec<f32>,
 }
 
 impl Weights {
     /// No weights, for `features` features.
-    pub fn new(features: usize, columns: usize, planes: usize) -> Self {
+    pub fn new(features: usize, columns: usize) -> Self {
         let stride = columns.next_multiple_of(8).max(8);
-        Weights { columns, stride, planes, index: vec![0; features], rows: vec![0.0; planes * stride] }
+        Weights { columns, stride, index: vec![0; features], rows: vec![0.0; stride] }
     }
 
     /// How many columns a row has, padding left out.
@@ -61,7 +58,7 @@ impl Weights {
         self.columns
     }
 
-    /// The length of one plane of a row, padding included: a multiple of eight.
+    /// The length of a row, padding included: a multiple of eight.
     pub fn stride(&self) -> usize {
         self.stride
     }
@@ -73,7 +70,7 @@ impl Weights {
 
     /// How many features have weights.
     pub fn len(&self) -> usize {
-        self.rows.len() / (self.planes * self.stride) - 1
+        self.rows.len() / self.stride - 1
     }
 
     /// Whether no feature has weights.
@@ -81,39 +78,53 @@ impl Weights {
         self.len() == 0
     }
 
-    /// The weights of `feature`, all planes and their padding, if it has any.
+    /// The weights of `feature` and their padding, if it has any.
     #[inline]
     pub fn row(&self, feature: u32) -> Option<&[f32]> {
+        self.place(feature).map(|place| self.at(place))
+    }
+
+    /// The row at `place`.
+    #[inline]
+    pub(crate) fn at(&self, place: usize) -> &[f32] {
+        &self.rows[place * self.stride..(place + 1) * self.stride]
+    }
+
+    /// The weights of `feature` and their padding; zeros are made for it when it has none.
+    #[inline]
+    pub fn row_mut(&mut self, feature: u32) -> &mut [f32] {
+        let start = self.make_place(feature) * self.stride;
+        &mut self.rows[start..start + self.stride]
+    }
+
+    /// Which of the rows is that of `feature`, counted from 1 in the order in which they were made.
+    #[inline]
+    pub(crate) fn place(&self, feature: u32) -> Option<usize> {
         match self.index[feature as usize] {
             0 => None,
-            row => {
-                let width = self.planes * self.stride;
-                Some(&self.rows[row as usize * width..(row as usize + 1) * width])
-            }
+            place => Some(place as usize),
         }
     }
 
-    /// The weights of `feature`, all planes and their padding; zeros are made for it when it has none.
+    /// The same; a row of zeros is made when there is none.
     #[inline]
-    pub fn row_mut(&mut self, feature: u32) -> &mut [f32] {
-        let width = self.planes * self.stride;
+    pub(crate) fn make_place(&mut self, feature: u32) -> usize {
         if self.index[feature as usize] == 0 {
             self.add(feature);
         }
-        let start = self.index[feature as usize] as usize * width;
-        &mut self.rows[start..start + width]
+        self.index[feature as usize] as usize
     }
 
     /// Adds a row of zeros for `feature`.
     #[cold]
     fn add(&mut self, feature: u32) {
         self.index[feature as usize] = self.len() as u32 + 1;
-        self.rows.resize(self.rows.len() + self.planes * self.stride, 0.0);
+        self.rows.resize(self.rows.len() + self.stride, 0.0);
     }
 
     /// Takes up the room that `rows` more rows will need.
     pub fn reserve(&mut self, rows: usize) {
-        self.rows.reserve_exact(rows * self.planes * self.stride);
+        self.rows.reserve_exact(rows * self.stride);
     }
 
     /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more.
@@ -122,7 +133,7 @@ impl Weights {
         self
     }
 
-    /// Adds the first planes of these features' rows to `scores`, in the order given.
+    /// Adds these features' rows to `scores`, in the order given.
     #[inline]
     pub fn add_to(&self, features: &[u32], scores: &mut [f32]) {
         match self.stride {
@@ -145,11 +156,10 @@ impl Weights {
     fn add_fixed<const N: usize>(&self, features: &[u32], scores: &mut [f32]) {
         let Some(scores) = scores.first_chunk_mut::<N>() else { return };
         let mut sums = *scores;
-        let width = self.planes * N;
         for &feature in features {
             let row = self.index[feature as usize] as usize;
             if row != 0
-                && let Some(row) = self.rows[row * width..].first_chunk::<N>()
+                && let Some(row) = self.rows[row * N..].first_chunk::<N>()
             {
                 for c in 0..N {
                     sums[c] += row[c];
@@ -159,26 +169,24 @@ impl Weights {
         *scores = sums;
     }
 
-    /// Weights of one plane made from these, in their place: `fold` gets all planes of a row and changes the first, the one that stays. Rows
-    /// in which it comes out all zero are left out.
-    pub fn fold(mut self, mut fold: impl FnMut(&mut [f32])) -> Weights {
-        let (stride, width) = (self.stride, self.planes * self.stride);
+    /// The rows changed by `change`, which gets the place and the weights of each. Those that come out all zero are left out.
+    pub(crate) fn map_rows(mut self, mut change: impl FnMut(usize, &mut [f32])) -> Weights {
+        let stride = self.stride;
         let mut moved = vec![0; self.len() + 1];
         let mut kept = 1;
-        for (row, place) in moved.iter_mut().enumerate().skip(1) {
-            let planes = row * width..(row + 1) * width;
-            fold(&mut self.rows[planes.clone()]);
-            let plane = planes.start..planes.start + stride;
-            if self.rows[plane.clone()].iter().any(|w| *w != 0.0) {
-                self.rows.copy_within(plane, kept * stride);
-                *place = kept as u32;
+        for (place, to) in moved.iter_mut().enumerate().skip(1) {
+            let row = place * stride..(place + 1) * stride;
+            change(place, &mut self.rows[row.clone()]);
+            if self.rows[row.clone()].iter().any(|w| *w != 0.0) {
+                self.rows.copy_within(row, kept * stride);
+                *to = kept as u32;
                 kept += 1;
             }
         }
-        self.index.iter_mut().for_each(|row| *row = moved[*row as usize]);
+        self.index.iter_mut().for_each(|place| *place = moved[*place as usize]);
         self.rows.truncate(kept * stride);
         self.rows.shrink_to_fit();
-        Weights { planes: 1, ..self }
+        self
     }
 }
 
@@ -189,7 +197,7 @@ pub struct Linear {
     pub actions: usize,
     /// What the columns of the weights are.
     pub columns: Columns,
-    /// The weights; one plane.
+    /// The weights.
     pub weights: Weights,
 }
 
@@ -201,7 +209,7 @@ impl Linear {
         if members.iter().any(|(_, m)| m.columns != Columns::Actions) {
             return None;
         }
-        let mut weights = Weights::new(first.weights.features(), first.weights.columns, 1);
+        let mut weights = Weights::new(first.weights.features(), first.weights.columns);
         for (share, member) in members {
             for feature in 0..member.weights.features() as u32 {
                 if let Some(row) = member.weights.row(feature) {
@@ -253,6 +261,26 @@ impl LinearMemory {
         }
         weights.add_to(&sight.view.dynamic, &mut self.sums);
         &self.sums
+    }
+
+    /// One score an action, by weights whose columns stand for `columns`.
+    #[inline]
+    pub(crate) fn scores<'m>(
+        &'m mut self,
+        columns: Columns,
+        actions: usize,
+        weights: &Weights,
+        sight: &Sight<'_, Features>,
+    ) -> &'m [f32] {
+        match columns {
+            Columns::Actions => &self.sum(weights, sight)[..actions],
+            columns => {
+                let mut counts = std::mem::take(&mut self.votes);
+                votes(columns, actions, self.sum(weights, sight), sight.legal, &mut counts);
+                self.votes = counts;
+                &self.votes
+            }
+        }
     }
 }
 
@@ -311,14 +339,6 @@ impl Classifier<Features> for Linear {
 
     #[inline]
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
-        match self.columns {
-            Columns::Actions => &memory.sum(&self.weights, sight)[..self.actions],
-            columns => {
-                let mut counts = std::mem::take(&mut memory.votes);
-                votes(columns, self.actions, memory.sum(&self.weights, sight), sight.legal, &mut counts);
-                memory.votes = counts;
-                &memory.votes
-            }
-        }
+        memory.scores(self.columns, self.actions, &self.weights, sight)
     }
 }

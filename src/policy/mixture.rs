@@ -49,6 +49,11 @@ impl<C> Mixture<C> {
         Mixture { expert: 0.0, members: vec![(1.0, classifier)], reading: Reading::Sampled }
     }
 
+    /// The expert with probability `expert`, in [0, 1], and `classifier` otherwise: DAgger's pi_i.
+    pub(crate) fn shared(expert: f64, classifier: C) -> Self {
+        Mixture { expert, members: vec![(1.0 - expert, classifier)], reading: Reading::Sampled }
+    }
+
     /// A mixture without expert of these weights and classifiers, read as `reading`. The weights are taken as they are.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! A net of one hidden layer over sparse binary features.
 
-use super::{Classifier, Linear, LinearMemory};
+use super::{Classifier, Columns, Linear, LinearMemory, Weights};
 use crate::space::{Features, Sight};
 
 /// A net with one hidden layer: h = σ(b + W x), an action's score is c_a + v_a·h. Its input is the sparse binary features at hand, so the hidden layer
@@ -68,14 +68,26 @@ pub struct NeuralMemory {
     scores: Vec<f32>,
 }
 
+impl NeuralMemory {
+    /// One score for each of `actions` actions, from the weights of `units` units and the `dense` ones.
+    pub(crate) fn scores<'m>(
+        &'m mut self,
+        (input, dense): (&Weights, &[f32]),
+        (units, actions): (usize, usize),
+        sight: &Sight<'_, Features>,
+    ) -> &'m [f32] {
+        self.units.clear();
+        self.units.extend_from_slice(self.input.scores(Columns::Actions, units, input, sight));
+        self.scores.resize(actions, 0.0);
+        forward(dense, &mut self.units, &mut self.scores);
+        &self.scores
+    }
+}
+
 impl Classifier<Features> for Neural {
     type Memory = NeuralMemory;
 
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut NeuralMemory) -> &'m [f32] {
-        memory.units.clear();
-        memory.units.extend_from_slice(self.input.scores(sight, &mut memory.input));
-        memory.scores.resize(self.actions(), 0.0);
-        forward(&self.dense, &mut memory.units, &mut memory.scores);
-        &memory.scores
+        memory.scores((&self.input.weights, &self.dense), (self.units(), self.actions()), sight)
     }
 }

@@ -1,6 +1,7 @@
 //! Readers of text, all written with nom: every error says path, line, column and what was expected.
 
 pub mod conll;
+pub mod conllu;
 pub mod grammar;
 pub mod letters;
 pub mod template;

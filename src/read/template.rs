@@ -11,6 +11,7 @@
 //! | `%m[row,col,"regex"]` | what `regex` matches in that word first; nothing if it does not                        |
 //! | `%s[row,col,n]`       | the first `n` characters of the word's shape: A-Z as `X`, a-z as `x`, 0-9 as `d`       |
 //! | `%y[-k]`              | the label `k` tokens before                                                            |
+//! | `%y[k]`               | what a first reading said of the token (`%y[0]`) or of the one `k` tokens further on   |
 //!
 //! An upper-case letter (`%X`, `%T`, `%M`, `%S`) folds the result to lower case. `@` makes a row absolute, as in
 //! Wapiti: `%x[@1,0]` is the sentence's first word and `%x[@-1,0]` its last. Rows reach no further than 100
@@ -31,6 +32,9 @@
 //! CRF++ and Wapiti know neither `%s` nor `%y`, nor the following.
 //! - A pattern with `%y` is a history feature ([`Template::history`]). `B...` is the same as a `U...` line with one
 //!   more `%y[-1]` at its end, and a bare `B` the previous label alone.
+//! - With a `%y[k]` that is not negative in it, a template asks for two readings: the first goes through the sentence from its end, by
+//!   all patterns without such a `%y`, and its `%y[-1]` is then the label of the token *after*; the second goes from the start and sees, beside the
+//!   labels it has given itself, those of the first.
 //! - The line `@pad <s> </s>` makes every cell before a sentence read as `<s>`, at any distance, and every cell after
 //!   it as `</s>`.
 //!
@@ -45,7 +49,7 @@
 //! let mut features = Vec::new();
 //! bound.observe(corpus.sentence(0), 1, &mut features);
 //! assert_eq!(features.len(), 2);
-//! assert_eq!(template.history()[0].labels, [1]);
+//! assert_eq!(template.history()[0].labels, [-1]);
 //! # Ok::<(), rollin::Error>(())
 //! ```
 
@@ -64,7 +68,7 @@ use std::path::Path;
 
 /// How many tokens away a row may be.
 const REACH: i32 = 100;
-/// How many labels back a history feature may look.
+/// How many labels back or ahead a history feature may look.
 pub const BACK: i32 = 8;
 
 /// The template for one observed column.
@@ -73,9 +77,16 @@ const WORDS: &str = include_str!("../../grammars/words.template");
 /// Which labels a history feature looks at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct History {
-    /// How far before the token each label stands, in the order in which the pattern names them: `[1, 2]` is the
-    /// previous label and the one before it. Never empty, never 0.
-    pub labels: Vec<u32>,
+    /// How many tokens further on each label stands, in the order in which the pattern names them: `[-1, -2]` is the previous label and
+    /// the one before it; from 0 on it is that of a first reading. Never empty.
+    pub labels: Vec<i32>,
+}
+
+impl History {
+    /// Whether it looks at what a first reading said.
+    pub fn looks_ahead(&self) -> bool {
+        self.labels.iter().any(|k| *k >= 0)
+    }
 }
 
 /// A compiled feature template.
@@ -155,14 +166,14 @@ impl Template {
             self.add_line(kind, &parts, pad);
         }
         if kind != 'U' {
-            parts.push(Part::Label(1));
+            parts.push(Part::Label(-1));
             self.add_line(kind, &parts, pad);
         }
     }
 
     /// Adds one feature: a history feature if it looks at a label.
     fn add_line(&mut self, kind: char, parts: &[Part], pad: Option<(&str, &str)>) {
-        let labels: Vec<u32> =
+        let labels: Vec<i32> =
             parts.iter().filter_map(|p| if let Part::Label(k) = p { Some(*k) } else { None }).collect();
         let plan = if labels.is_empty() { &mut self.observe } else { &mut self.contexts };
         plan.add(kind, parts, pad, &mut self.tables);
@@ -223,6 +234,11 @@ impl Template {
     /// The labels that each history feature looks at, in the order of the patterns.
     pub fn history(&self) -> &[History] {
         &self.history
+    }
+
+    /// Whether it asks for two readings.
+    pub fn looks_ahead(&self) -> bool {
+        self.history.iter().any(History::looks_ahead)
     }
 
     /// The template ready to be applied to `corpus`. Its cost is that of the corpus's distinct words.

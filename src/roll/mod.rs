@@ -1,10 +1,12 @@
 //! Roll-in, deviation, roll-out: where training examples come from, and what a finished policy does.
 
+use crate::error::{Error, Result};
 use crate::learner::{Examples, Target};
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, CostToGo, Episode, Gather, Problem, StateOf, ViewOf};
+use crate::space::{Action, CostToGo, Episode, Gather, Problem, Space, StateOf, ViewOf};
 use crate::worker::{Ledger, Memo, Visit, all, sweep};
+use std::cmp::Ordering;
 
 /// What a round of roll-ins brought.
 pub struct Round<P: Problem> {
@@ -127,6 +129,50 @@ where
     }
 }
 
+/// Every action is tried once and rolled out to the end by the expert or by the current policy: which of them is drawn at each state, for
+/// all actions together, so that those who are compared go on alike. With probability 1 this is the expert's cost-to-go, found by trying.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mixed {
+    /// The probability that the expert rolls out: beta, in [0, 1].
+    pub expert: f64,
+}
+
+impl Mixed {
+    /// Whether the roll-outs from the state at hand are the expert's.
+    pub fn is_experts<P: Problem>(&self, visit: &Visit<'_, P>) -> bool {
+        visit.seed().child(Purpose::RollOut, 0).unit() < self.expert
+    }
+}
+
+impl<P: Problem, D: Policy<P>> Costing<P, D> for Mixed
+where
+    StateOf<P>: Clone,
+{
+    /// One for those of the policy, one for those of the expert.
+    type Memo = [Memo; 2];
+
+    fn costs(
+        &self,
+        visit: &mut Visit<'_, P>,
+        actor: Actor<'_, D, D::Memory, [Memo; 2]>,
+        run: Seed,
+        costs: &mut Vec<f64>,
+    ) {
+        let Actor { policy, memory, memo } = actor;
+        let experts = self.is_experts(visit);
+        let run = run.child(Purpose::RollOut, 0);
+        let memo = &mut memo[usize::from(experts)];
+        costs.clear();
+        let legal = visit.legal();
+        costs.extend(legal.iter().map(|action| {
+            visit.roll_out(action, run, Some(memo), |visit| match experts {
+                true => visit.expert(),
+                false => policy.act(visit, memory),
+            })
+        }));
+    }
+}
+
 /// The optimal-expert shortcut: the expert's own cost-to-go stands in for the current policy's, and nothing is rolled out. Exact
 /// while the policy is the expert, an approximation after.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -141,6 +187,108 @@ where
     fn costs(&self, visit: &mut Visit<'_, P>, _: Actor<'_, D, D::Memory, ()>, _: Seed, costs: &mut Vec<f64>) {
         visit.costs_to_go(costs);
     }
+}
+
+/// Makes an example of the state at `visit` and the `costs` of its legal actions; `shifted` is scratch.
+pub fn record_costs<P: Problem>(
+    visit: &mut Visit<'_, P>,
+    costs: &[f64],
+    shifted: &mut Vec<f32>,
+    examples: &mut Examples<ViewOf<P>>,
+) {
+    // Only differences between actions matter: the cheapest counts 0, so that long episodes lose no precision.
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    shifted.clear();
+    shifted.extend(costs.iter().map(|cost| (cost - least) as f32));
+    visit.record(|sight| examples.push(sight.view, sight.legal, Target::Costs(shifted)));
+}
+
+/// A step of an episode of `length` steps, each with the same chance.
+pub(crate) fn drawn_step(episode: Episode, length: usize) -> usize {
+    (episode.seed.child(Purpose::Deviation, 0).unit() * length as f64) as usize
+}
+
+/// The lengths of all episodes, for those who must know them beforehand; `who` is blamed if the space does not tell.
+fn lengths<P: Problem>(problem: &P, who: &'static str) -> Result<Vec<usize>> {
+    let length = |index| problem.space().horizon(index);
+    (0..problem.episodes()).map(length).collect::<Option<_>>().ok_or_else(|| {
+        Error::argument(who, "drawing steps", "another trainer: this space does not know its horizons beforehand")
+    })
+}
+
+/// Rolls in with `policy` to a step drawn at random, finds there what each legal action would cost, and abandons the episode: one
+/// example an episode.
+///
+/// # Errors
+/// When the space does not know its horizons; `who` is the name that is blamed.
+pub fn costs_once<P: Problem, D: Policy<P>, C: Costing<P, D>>(
+    problem: &P,
+    policy: &D,
+    costing: &C,
+    who: &'static str,
+    seed: Seed,
+) -> Result<(Examples<ViewOf<P>>, Ledger)> {
+    type Scratch<M, N> = (M, N, Vec<f64>, Vec<f32>);
+    let lengths = lengths(problem, who)?;
+    Ok(sweep(
+        problem,
+        &all(problem),
+        seed,
+        |worker, (memory, memo, costs, shifted): &mut Scratch<D::Memory, C::Memo>, episode, examples| {
+            let at = drawn_step(episode, lengths[episode.index]);
+            worker.episode(episode, |visit| {
+                if visit.t() < at {
+                    return Some(policy.act(visit, memory));
+                }
+                costing.costs(visit, Actor { policy, memory, memo }, episode.seed, costs);
+                record_costs(visit, costs, shifted, examples);
+                None
+            });
+        },
+    ))
+}
+
+/// Rolls in with `policy`, takes any legal action at one step drawn at random, and leaves the rest to `after`: one example an
+/// episode, and nothing is ever put back. The action's cost is what followed, times the number of actions it was drawn from; that of the
+/// others, of which nothing is known, is 0. Its expectation is the cost of each action.
+///
+/// # Errors
+/// When the space does not know its horizons; `who` is the name that is blamed.
+pub fn deviations<P: Problem, D: Policy<P>, E: Policy<P>>(
+    problem: &P,
+    policy: &D,
+    after: &E,
+    who: &'static str,
+    seed: Seed,
+) -> Result<(Round<P>, Ledger)> {
+    type Scratch<M, N> = (M, N, Vec<f32>);
+    let lengths = lengths(problem, who)?;
+    Ok(sweep(
+        problem,
+        &all(problem),
+        seed,
+        |worker, (memory, rest, costs): &mut Scratch<D::Memory, E::Memory>, episode, round: &mut Round<P>| {
+            let at = drawn_step(episode, lengths[episode.index]);
+            let mut tried = None;
+            let total = worker.episode(episode, |visit| match visit.t().cmp(&at) {
+                Ordering::Less => Some(policy.act(visit, memory)),
+                Ordering::Greater => Some(after.act(visit, rest)),
+                Ordering::Equal => {
+                    let legal = visit.legal();
+                    let place = (visit.seed().child(Purpose::Deviation, 0).unit() * legal.len() as f64) as usize;
+                    costs.clear();
+                    costs.resize(legal.len(), 0.0);
+                    tried = Some((place, visit.spent()));
+                    visit.record(|sight| round.examples.push(sight.view, sight.legal, Target::Costs(costs)));
+                    Some(legal.nth(place))
+                }
+            });
+            if let (Some((place, spent)), Some(costs)) = (tried, round.examples.last_costs_mut()) {
+                costs[place] = (costs.len() as f64 * (total - spent)) as f32;
+            }
+            round.cost += total;
+        },
+    ))
 }
 
 /// Rolls in with `policy` and finds at every state what each legal action would cost.
@@ -161,11 +309,7 @@ pub fn costs<P: Problem, D: Policy<P>, C: Costing<P, D>>(
             let examples = &mut round.examples;
             let cost = worker.episode(episode, |visit| {
                 costing.costs(visit, Actor { policy, memory, memo }, episode.seed, costs);
-                // Only differences between actions matter: the cheapest counts 0, so that long episodes lose no precision.
-                let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
-                shifted.clear();
-                shifted.extend(costs.iter().map(|cost| (cost - least) as f32));
-                visit.record(|sight| examples.push(sight.view, sight.legal, Target::Costs(shifted)));
+                record_costs(visit, costs, shifted, examples);
                 Some(policy.act(visit, memory))
             });
             round.cost += cost;

@@ -52,6 +52,11 @@ impl FeatureTable {
         FeatureTable { features, starts, ids }
     }
 
+    /// The same rows where there are `more` further features, numbered after all that are here.
+    pub fn widened(&self, more: usize) -> Self {
+        FeatureTable { features: self.features + more, ..self.clone() }
+    }
+
     /// How many features there are, static and dynamic together; every feature number is below it.
     pub fn features(&self) -> usize {
         self.features

@@ -1,8 +1,8 @@
 //! What is learned about: a [`Space`] of states, the [`View`] that a policy has of a state, the [`Expert`] to be imitated, and
 //! the [`Problem`] that holds them together.
 //!
-//! A state need not be `Clone`. Supervised training, forward training, SMILe and DAgger only step forward and ask the expert;
-//! whatever rolls out alternatives (SEARN) demands `State: Clone`, because a reset *is* a clone. The main practical argument of Ross
+//! A state need not be `Clone`. Supervised training, forward training, SMILe, DAgger and AggreVaTe's single deviations only step forward and ask
+//! the expert; whatever rolls out alternatives (SEARN, CPI, LOLS) or searches with a beam demands `State: Clone`, because a reset *is* a clone. The main practical argument of Ross
 //! & Bagnell (2010, section 4), that SMILe needs no resets, is thereby checked by the compiler:
 //!
 //! ```compile_fail,E0277
@@ -30,10 +30,13 @@
 
 mod actions;
 pub mod doc;
+pub mod experts;
 mod features;
+mod stacked;
 
 pub use actions::{Action, Actions};
 pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
+pub use stacked::{Second, Stacked, StackedState};
 
 use crate::seed::Seed;
 
@@ -143,6 +146,13 @@ pub trait Expert<S: Space>: Sync {
     /// What the expert does in the state at hand: the best action that is legal *there*, also after mistakes that it would
     /// never have made itself. `None` where it has nothing to say.
     fn action(&self, space: &S, state: &S::State) -> Option<Action>;
+
+    /// The answer that an expert gives whose answers are random: what is drawn hangs below `seed`, the node of this step of this run. This
+    /// is what a [`Visit`](crate::worker::Visit) asks; all others answer as [`Expert::action`] does.
+    fn answer(&self, space: &S, state: &S::State, seed: Seed) -> Option<Action> {
+        let _ = seed;
+        self.action(space, state)
+    }
 }
 
 /// An expert whose cost-to-go is known.

@@ -1,5 +1,182 @@
 //! The tasks: spaces with their experts and losses.
+//!
+//! A [`Task`] names what the verbs of the program (and of any other) need: how text is read, how features and actions are learned from it
+//! and found again, what is written, what is measured, and what a model file keeps. A [`Model`] is such a task with a trained policy.
 
+mod file;
+mod model;
 pub mod ocr;
+pub mod parsing;
 pub mod tabular;
 pub mod tagging;
+mod training;
+
+pub use file::{Arrays, task_of};
+pub use model::{About, Learned, Model};
+pub use training::{AnyLearner, Trainer};
+
+use crate::error::Result;
+use crate::read::conll::Block;
+use crate::seed::Seed;
+use crate::space::{Action, CostToGo, Features, Imitation, Silent, Space};
+use crate::trainer::{Run, Trained};
+use serde::{Serialize, de::DeserializeOwned};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// What turns the text of a task into a space and the actions of a policy into text: learned from a corpus, kept in model files.
+pub trait Task: Sized + Send + Sync {
+    /// The task's name, in model files and on the command line.
+    const NAME: &'static str;
+    /// A corpus in memory.
+    type Data: Data;
+    /// What the user chooses before learning.
+    type Settings;
+    /// Its sentences as episodes.
+    type Space: Space<View = Features, State: Clone>;
+    /// The one to be imitated.
+    type Expert: CostToGo<Self::Space>;
+    /// What is measured.
+    type Score: Score;
+    /// What a model file's header says of the task. It should refuse what it does not know.
+    type Header: Serialize + DeserializeOwned;
+    /// What is kept of the blocks of a stream to see that the next one goes with them.
+    type Stream: Default;
+
+    /// The corpus that is `text`, which comes from `path`.
+    ///
+    /// # Errors
+    /// With the exact place, when it is none, or has no sentence.
+    fn parse(text: &[u8], path: &Path) -> Result<Self::Data>;
+
+    /// The corpus that is a block of `path`, or nothing when all its lines are blank.
+    ///
+    /// # Errors
+    /// With the exact place, when it is none, or does not go with the blocks before it.
+    fn parse_block(&self, block: &Block, path: &Path, stream: &mut Self::Stream) -> Result<Option<Self::Data>>;
+
+    /// Learns features and actions from `data`, and gives it as a problem of imitation.
+    ///
+    /// # Errors
+    /// When it is not what can be learned from with these settings.
+    fn learn(data: &Self::Data, settings: Self::Settings) -> Result<(Self, ProblemOf<Self>)>;
+
+    /// Trains policies for `problem` by `train`, which knows trainer and learner: one, unless the task needs more.
+    ///
+    /// # Errors
+    /// Those of `train`.
+    fn train(problem: &ProblemOf<Self>, run: &Run<'_>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
+        train(problem, run)
+    }
+
+    /// What `policy` does in all `episodes` of `space`, one after the other. They are part of a longer series, in which the first of them
+    /// has the number `number`: what is drawn is what would be drawn if the whole series were run at once.
+    fn perform(policy: &Learned, space: Self::Space, episodes: usize, number: usize, seed: Seed) -> Vec<Action> {
+        let problem = Imitation { space, expert: Silent, episodes };
+        policy.perform_from(&problem, number, seed).0.actions
+    }
+
+    /// Another corpus as a space, of which no right answers are known.
+    ///
+    /// # Errors
+    /// When something is missing in it that the features need.
+    fn apply(&self, data: &Self::Data) -> Result<Self::Space>;
+
+    /// Writes `block` again with what `actions`, those of all its episodes, say of `data`, its corpus if it is not blank.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    fn write(&self, block: &Block, of: Option<(&Self::Data, &[Action])>, out: &mut impl Write) -> io::Result<()>;
+
+    /// Refuses a corpus that cannot be measured on, for want of right answers or anything else.
+    ///
+    /// # Errors
+    /// With the exact place.
+    fn check(&self, data: &Self::Data) -> Result<()>;
+
+    /// How `actions`, those of all episodes, compare with the right answers in `data`.
+    ///
+    /// # Errors
+    /// As [`Task::check`].
+    fn score(&self, data: &Self::Data, actions: &[Action]) -> Result<Self::Score>;
+
+    /// How many features there are.
+    fn features(&self) -> usize;
+
+    /// How many actions there are.
+    fn actions(&self) -> usize;
+
+    /// Forgets features that are not `used`, as far as it can, and numbers the others anew: feature i is the one that was the i-th of what
+    /// is returned.
+    ///
+    /// # Errors
+    /// When there are too many features to be numbered.
+    fn keep(&mut self, used: &dyn Fn(u32) -> bool) -> Result<Vec<u32>>;
+
+    /// What a model file's header says.
+    fn header(&self) -> Self::Header;
+
+    /// The arrays of a model file, in the order in which [`Task::restore`] takes them.
+    fn arrays(&self) -> Vec<&[u64]>;
+
+    /// The same again from a model file at `path`: untrusted input.
+    ///
+    /// # Errors
+    /// What is wrong with header or arrays.
+    fn restore(header: Self::Header, arrays: &mut Arrays<'_>, path: &Path) -> Result<Self, String>;
+
+    /// What a person wants to know of it: one line each, a name and a fact, as text and as JSON.
+    fn facts(&self) -> Vec<Fact>;
+}
+
+/// The problem of imitating a task's expert.
+pub type ProblemOf<T> = Imitation<<T as Task>::Space, <T as Task>::Expert>;
+
+/// What trains one policy.
+pub type Training<'a, T> = dyn Fn(&ProblemOf<T>, &Run<'_>) -> Result<Trained<Learned>> + 'a;
+
+/// Something to know of a task.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// What it is about.
+    pub name: &'static str,
+    /// As text: in a line behind its name, below it if it has lines of its own, or not at all if it is empty.
+    pub text: String,
+    /// As data.
+    pub value: serde_json::Value,
+}
+
+/// A corpus as all tasks know it: sentences of words.
+pub trait Data {
+    /// Where it comes from.
+    fn path(&self) -> &Path;
+    /// How many sentences.
+    fn sentences(&self) -> usize;
+    /// How many words.
+    fn tokens(&self) -> usize;
+    /// Keeps the first `sentences` sentences.
+    fn truncate(&mut self, sentences: usize);
+    /// Keeps the first `sentences` sentences and gives the rest.
+    fn split_off(&mut self, sentences: usize) -> Self;
+}
+
+/// What was measured: as data, all of it; as text, with a line's end.
+pub trait Score: Serialize {
+    /// For a person.
+    fn text(&self) -> String;
+    /// How many words are wrong.
+    fn wrong(&self) -> u64;
+    /// What the field measures, in percent, the most important one last.
+    fn measures(&self) -> Vec<Measure>;
+}
+
+/// One measure of a [`Score`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measure {
+    /// Its name in data.
+    pub key: &'static str,
+    /// Its name in tables.
+    pub name: &'static str,
+    /// In percent; none where it means nothing.
+    pub percent: Option<f64>,
+}

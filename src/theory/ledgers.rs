@@ -13,8 +13,20 @@
 //! | SMILe reusing by 4.3, R2, ageing | S + sum over n of sum L (1-(1-alpha p_{n-1})^L) | see below | 0 | 0 | as labels |
 //! | SEARN | 0 | S (1-p_N)/beta | N k sum A_t | k (1-p_N)/beta sum A_t (L-t) | N (S + k sum A_t (L-t+1)) |
 //! | SEARN, shortcut | N S | S (1-p_N)/beta | 0 | 0 | N S |
-//! | DAgger | N S | S | 0 | 0 | N S |
-//! | DAgger, online | N S | 0 | 0 | 0 | N S |
+//! | CPI, a fixed rate | 0 | (1-p_N)/rate sum (L-1)/2 | N k sum C | k (1-p_N)/rate sum R | N (sum (L-1)/2 + k sum (C+R)) |
+//! | DAgger | N S | S sum beta_i | 0 | 0 | N S |
+//! | DAgger, online, without a schedule | N S | 0 | 0 | 0 | N S |
+//! | AggreVaTe, one deviation | 0 | (N + sum beta_i) sum (L-1)/2 | 0 | 0 | N S |
+//! | AggreVaTe, shortcut | N S | S sum beta_i | 0 | 0 | N S |
+//! | AggreVaTe, roll-outs | 0 | S sum beta_i | N sum A_t | N sum A_t (L-t) | N (S + sum A_t (L-t+1)) |
+//! | LOLS | 0 | S | N sum A_t | (1 + beta (N-1)) sum A_t (L-t) | N (S + sum A_t (L-t+1)) |
+//! | LOLS, online | 0 | 0 | N sum A_t | N beta sum A_t (L-t) | N (S + sum A_t (L-t+1)) |
+//! | stacking, both stages supervised | 2 S | 2 S | 0 | 0 | 3 S |
+//! | early update, a beam of w | S | S | 0 | 0 | at most S + N (w+1) S |
+//!
+//! beta_i is the expert's share in round i of DAgger and AggreVaTe, and beta the probability that LOLS rolls out with the expert. C and R are the means of
+//! A_t and of A_t (L-t) over the steps of an episode: CPI rolls out from one step of each, drawn with equal chances. What CPI runs to measure an
+//! advantage comes on top, and it may end early. Early update stops a search when the right path is lost; the resets are at most N w S.
 //!
 //! Forward training counts an episode's steps up to [`Forward::longest`] only.
 //!
@@ -31,7 +43,7 @@
 
 use crate::seed::Seed;
 use crate::space::{Gather, Problem};
-use crate::trainer::{Dagger, Forward, Reuse, Searn, Smile};
+use crate::trainer::{Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Reuse, Schedule, Searn, Smile};
 use crate::worker::{Ledger, all, sweep};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -45,6 +57,10 @@ pub struct Extent {
     pub choices: f64,
     /// The sum of A_t (L-t): what is still to be done after a choice, for every choice.
     pub remainders: f64,
+    /// The sum over the episodes of the mean of A_t: C.
+    pub mean_choices: f64,
+    /// The sum over the episodes of the mean of A_t (L-t): R.
+    pub mean_remainders: f64,
 }
 
 impl Gather for Extent {
@@ -54,6 +70,8 @@ impl Gather for Extent {
         }
         self.choices += later.choices;
         self.remainders += later.remainders;
+        self.mean_choices += later.mean_choices;
+        self.mean_remainders += later.mean_remainders;
     }
 }
 
@@ -67,8 +85,13 @@ impl Extent {
                 Some(visit.expert())
             });
             *extent.lengths.entry(legal.len()).or_default() += 1;
-            extent.choices += legal.iter().sum::<f64>();
-            extent.remainders += legal.iter().rev().enumerate().map(|(rest, n)| rest as f64 * n).sum::<f64>();
+            let choices = legal.iter().sum::<f64>();
+            let remainders = legal.iter().rev().enumerate().map(|(rest, n)| rest as f64 * n).sum::<f64>();
+            let length = legal.len().max(1) as f64;
+            extent.choices += choices;
+            extent.remainders += remainders;
+            extent.mean_choices += choices / length;
+            extent.mean_remainders += remainders / length;
         };
         sweep(problem, &all(problem), Seed::new(0), run).0
     }
@@ -191,10 +214,99 @@ pub fn searn_shortcut(extent: &Extent, searn: &Searn) -> Expected {
 
 /// What [`Dagger::train`] costs.
 pub fn dagger(extent: &Extent, dagger: &Dagger) -> Expected {
-    labelled(extent, dagger.rounds as f64, extent.steps())
+    labelled(extent, dagger.rounds as f64, extent.steps() * driven(dagger.schedule.unwrap_or_default(), dagger.rounds))
 }
 
 /// What [`Dagger::train_online`] costs.
 pub fn dagger_online(extent: &Extent, dagger: &Dagger) -> Expected {
-    labelled(extent, dagger.rounds as f64, 0.0)
+    let driven = dagger.schedule.map_or(0.0, |schedule| driven(schedule, dagger.rounds));
+    labelled(extent, dagger.rounds as f64, extent.steps() * driven)
+}
+
+/// The sum of beta_1, ..., beta_N.
+fn driven(schedule: Schedule, rounds: usize) -> f64 {
+    (1..=rounds).map(|i| schedule.share(i)).sum()
+}
+
+/// All actions at all steps of `passes` runs over the problem rolled out once, the expert driving at `acts` steps of the roll-ins and in a share
+/// `shares / passes` of the roll-outs.
+fn rolled_out(extent: &Extent, passes: f64, acts: f64, shares: f64) -> Expected {
+    let (rollouts, rollout_acts) = (passes * extent.choices, shares * extent.remainders);
+    Expected {
+        labels: 0.0,
+        expert_acts: acts,
+        rollout_acts,
+        queries: acts + rollout_acts,
+        rollouts,
+        resets: rollouts,
+        steps: passes * (extent.steps() + extent.remainders + extent.choices),
+        examples: passes * extent.steps(),
+    }
+}
+
+/// What [`Cpi::train`] costs with a fixed rate; with [`Rate::Advantage`], a round of it, whose measure of the advantage comes on top.
+pub fn cpi(extent: &Extent, cpi: &Cpi) -> Expected {
+    let (n, drawn) = match cpi.rate {
+        Rate::Fixed(rate) => (cpi.rounds as f64, shares(rate, cpi.rounds)),
+        Rate::Advantage => (1.0, 1.0),
+    };
+    let (k, before) = (cpi.samples as f64, extent.sum(|l| (l - 1.0) / 2.0));
+    let (expert_acts, rollout_acts) = (drawn * before, drawn * k * extent.mean_remainders);
+    let rollouts = n * k * extent.mean_choices;
+    Expected {
+        labels: 0.0,
+        expert_acts,
+        rollout_acts,
+        queries: expert_acts + rollout_acts,
+        rollouts,
+        resets: rollouts,
+        steps: n * (before + k * (extent.mean_remainders + extent.mean_choices)),
+        examples: n * extent.sum(|_| 1.0),
+    }
+}
+
+/// What [`Aggrevate::train`] costs: one deviation an episode.
+pub fn aggrevate(extent: &Extent, aggrevate: &Aggrevate) -> Expected {
+    let n = aggrevate.rounds as f64;
+    let acts = (n + driven(aggrevate.schedule, aggrevate.rounds)) * extent.sum(|l| (l - 1.0) / 2.0);
+    let (steps, examples) = (n * extent.steps(), n * extent.sum(|_| 1.0));
+    Expected { expert_acts: acts, queries: acts, steps, examples, ..Expected::default() }
+}
+
+/// What [`Aggrevate::train_by`] costs with the [`Shortcut`](crate::roll::Shortcut).
+pub fn aggrevate_shortcut(extent: &Extent, aggrevate: &Aggrevate) -> Expected {
+    labelled(extent, aggrevate.rounds as f64, extent.steps() * driven(aggrevate.schedule, aggrevate.rounds))
+}
+
+/// What [`Aggrevate::train_by`] costs with roll-outs of the expert.
+pub fn aggrevate_rollouts(extent: &Extent, aggrevate: &Aggrevate) -> Expected {
+    let n = aggrevate.rounds as f64;
+    rolled_out(extent, n, extent.steps() * driven(aggrevate.schedule, aggrevate.rounds), n)
+}
+
+/// What [`Lols::train`] costs.
+pub fn lols(extent: &Extent, lols: &Lols) -> Expected {
+    let n = lols.rounds as f64;
+    rolled_out(extent, n, extent.steps(), 1.0 + lols.beta * (n - 1.0))
+}
+
+/// What [`Lols::train_online`] costs.
+pub fn lols_online(extent: &Extent, lols: &Lols) -> Expected {
+    let n = lols.rounds as f64;
+    rolled_out(extent, n, 0.0, lols.beta * n)
+}
+
+/// What [`Stacking::train`](crate::trainer::Stacking::train) costs.
+pub fn stacking(extent: &Extent) -> Expected {
+    let both = labelled(extent, 2.0, 2.0 * extent.steps());
+    Expected { steps: both.steps + extent.steps(), ..both }
+}
+
+/// What [`EarlyUpdate::train`] costs; steps and resets are upper bounds.
+pub fn early_update(extent: &Extent, early: &EarlyUpdate) -> Expected {
+    let searched = early.rounds as f64 * extent.steps();
+    let width = early.width as f64;
+    let once = supervised(extent);
+    let resets = if early.width > 1 { width * searched } else { 0.0 };
+    Expected { steps: once.steps + (width + 1.0) * searched, resets, ..once }
 }

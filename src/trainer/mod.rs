@@ -6,20 +6,37 @@
 //! | [`Forward`] | Ross & Bagnell 2010, Algorithm 3.1 | no | one classifier per step |
 //! | [`Smile`] | Ross & Bagnell 2010, Algorithm 4.1 | no | a mixture |
 //! | [`Searn`] | Daumé, Langford & Marcu 2009 | yes | a mixture |
+//! | [`Cpi`] | Kakade & Langford 2002 | yes | a mixture |
 //! | [`Dagger`] | Ross, Gordon & Bagnell 2011 | no | one classifier |
+//! | [`Aggrevate`] | Ross & Bagnell 2014 | no; by roll-outs yes | one classifier |
+//! | [`Lols`] | Chang et al. 2015 | yes | one classifier |
+//! | [`Stacking`] | Cohen & Carvalho 2005 | no | two classifiers, one after the other |
+//! | [`EarlyUpdate`] | Collins & Roark 2004 | yes | one classifier with a beam |
 
+mod aggrevate;
+mod cpi;
 mod dagger;
+mod early;
 mod forward;
+mod lols;
 mod reuse;
 mod searn;
 mod smile;
+mod stacking;
 mod supervised;
 
-pub use dagger::Dagger;
+pub use aggrevate::Aggrevate;
+pub use cpi::{Cpi, Rate};
+pub use dagger::{Dagger, Schedule};
+pub(crate) use early::MOST_WIDTH;
+pub use early::{Beam, EarlyUpdate};
 pub use forward::Forward;
+pub use lols::{Lols, Regret};
 pub use reuse::Reuse;
 pub use searn::Searn;
 pub use smile::Smile;
+pub(crate) use stacking::MOST_WINDOW;
+pub use stacking::{StackedProblem, Stacking, Stages, TwoStage};
 pub use supervised::Supervised;
 
 use crate::error::{Error, Result};
@@ -53,6 +70,8 @@ pub struct Progress {
     pub rounds: usize,
     /// The mean cost of an episode in this round's roll-ins; not a number where they were abandoned.
     pub cost: f64,
+    /// What the learned policy of this round's roll-ins could have done better, where the trainer's roll-outs show it: [`Lols`].
+    pub regret: Option<Regret>,
     /// The bill so far.
     pub ledger: Ledger,
     /// Seconds since training began, by the clock.
@@ -109,10 +128,16 @@ impl<'a> Book<'a> {
 
     /// Closes a round whose roll-ins cost `cost` in sum.
     fn round(&mut self, rounds: usize, cost: f64) {
+        self.round_with(rounds, cost, None);
+    }
+
+    /// The same, with the regret of these roll-ins.
+    fn round_with(&mut self, rounds: usize, cost: f64, regret: Option<Regret>) {
         let progress = Progress {
             round: self.rounds.len() + 1,
             rounds,
             cost: cost / self.episodes as f64,
+            regret,
             ledger: self.ledger,
             seconds: self.start.elapsed().as_secs_f64(),
         };
@@ -130,6 +155,14 @@ impl<'a> Book<'a> {
 fn check_rounds(rounds: usize) -> Result<()> {
     if rounds == 0 {
         return Err(Error::argument("rounds", rounds, "at least 1"));
+    }
+    Ok(())
+}
+
+/// Refuses what is no probability.
+fn check_chance(name: &'static str, chance: f64) -> Result<()> {
+    if !(0.0..=1.0).contains(&chance) {
+        return Err(Error::argument(name, chance, "from 0 to 1"));
     }
     Ok(())
 }

@@ -307,7 +307,7 @@ mod tests {
 
     /// The classifier that takes `choice[s]` in state s, which it sees.
     fn classifier(choice: &[usize], actions: usize) -> Linear {
-        let mut weights = Weights::new(choice.len(), actions, 1);
+        let mut weights = Weights::new(choice.len(), actions);
         choice.iter().enumerate().for_each(|(s, a)| weights.row_mut(s as u32)[*a] = 1.0);
         Linear { actions, columns: Columns::Actions, weights }
     }

@@ -4,10 +4,12 @@
 //! state a [`Visit`], whose methods count in the [`Ledger`] whatever they do. [`sweep`] runs many episodes on all threads
 //! and hands back what was gathered in the order of the episodes.
 
+mod beam;
 mod ledger;
 mod memo;
 mod visit;
 
+pub use beam::Path;
 pub use ledger::Ledger;
 pub use memo::Memo;
 pub use visit::Visit;
@@ -43,6 +45,7 @@ impl<'p, P: Problem> Worker<'p, P> {
         for t in 0.. {
             let mut visit =
                 Visit::new(self.problem, &state, &mut self.ledger, &mut self.view, Kind::RollIn, t, episode.seed);
+            visit.spent = total;
             if visit.legal().is_empty() {
                 break;
             }

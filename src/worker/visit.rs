@@ -22,6 +22,8 @@ pub struct Visit<'v, P: Problem> {
     kind: Kind,
     t: usize,
     run: Seed,
+    /// What the run has cost so far.
+    pub(super) spent: f64,
     /// The expert's answer, once it has been consulted.
     answer: Option<Option<Action>>,
     labelled: bool,
@@ -37,7 +39,7 @@ impl<'v, P: Problem> Visit<'v, P> {
         t: usize,
         run: Seed,
     ) -> Self {
-        Visit { problem, state, ledger, view, looked: false, kind, t, run, answer: None, labelled: false }
+        Visit { problem, state, ledger, view, looked: false, kind, t, run, spent: 0.0, answer: None, labelled: false }
     }
 
     /// The step, counted from 0.
@@ -48,6 +50,11 @@ impl<'v, P: Problem> Visit<'v, P> {
     /// The node of the seed tree that belongs to this step of this run.
     pub fn seed(&self) -> Seed {
         self.run.child(Purpose::Step, self.t as u64)
+    }
+
+    /// What this run has cost before this step; a roll-out counts from where it began.
+    pub fn spent(&self) -> f64 {
+        self.spent
     }
 
     /// The legal actions; never none.
@@ -93,7 +100,8 @@ impl<'v, P: Problem> Visit<'v, P> {
 
     fn consult(&mut self) -> Option<Action> {
         if self.answer.is_none() {
-            let answer = self.problem.expert().action(self.problem.space(), self.state);
+            let seed = self.seed().child(Purpose::Expert, 0);
+            let answer = self.problem.expert().answer(self.problem.space(), self.state, seed);
             debug_assert!(answer.is_none_or(|a| self.legal().contains(a)), "the expert's answer is not legal");
             self.ledger.queries += u64::from(answer.is_some());
             self.answer = Some(answer);
@@ -147,20 +155,24 @@ impl<'v, P: Problem> Visit<'v, P> {
         self.looked = false;
         let mut state = self.state.clone();
         let mut action = action;
-        // The costs of the steps, and which states they led to.
-        let mut steps: Vec<(f64, Option<u64>, Ledger)> = Vec::new();
-        let mut rest = Rest { cost: 0.0, bill: Ledger::default() };
+        // The costs of the steps, and which states they led to. The steps are billed at the end: a bill that is written to and copied in
+        // turn makes each wait for the other.
+        let mut trail = memo.as_mut().map(|memo| std::mem::take(&mut memo.trail)).unwrap_or_default();
+        let mut rest = Rest::default();
+        let mut spent = 0.0;
         for t in self.t + 1.. {
-            self.ledger.steps += 1;
             let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
+            spent += cost;
             let signature = memo.as_ref().and_then(|_| space.signature(&state));
-            steps.push((cost, signature, *self.ledger));
             if let Some(known) = signature.and_then(|signature| memo.as_ref()?.find(t, signature)) {
                 rest = known;
                 *self.ledger += known.bill;
+                trail.push((cost, None, *self.ledger));
                 break;
             }
+            trail.push((cost, signature, *self.ledger));
             let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t, run);
+            visit.spent = spent;
             if visit.legal().is_empty() {
                 break;
             }
@@ -168,11 +180,18 @@ impl<'v, P: Problem> Visit<'v, P> {
         }
         // From the end, as a table of costs-to-go would add them.
         let after = *self.ledger;
-        for (place, (cost, signature, then)) in steps.into_iter().enumerate().rev() {
+        self.ledger.steps += trail.len() as u64;
+        let last = self.t + trail.len();
+        for (later, (cost, signature, then)) in trail.drain(..).rev().enumerate() {
             if let (Some(memo), Some(signature)) = (&mut memo, signature) {
-                memo.keep(self.t + 1 + place, signature, Rest { cost: rest.cost, bill: after - then });
+                let mut bill = after - then;
+                bill.steps += later as u64;
+                memo.keep(last - later, signature, Rest { cost: rest.cost, bill });
             }
             rest.cost += cost;
+        }
+        if let Some(memo) = memo {
+            memo.trail = trail;
         }
         rest.cost
     }

@@ -3,7 +3,24 @@
 use super::{CHUNKS, Folder, TAGS, shipped};
 use serde_json::Value;
 
-const ALGORITHMS: [&str; 7] = ["supervised", "forward", "smile", "searn", "searn-shortcut", "dagger", "dagger-online"];
+const ALGORITHMS: [&str; 13] = [
+    "supervised",
+    "forward",
+    "smile",
+    "searn",
+    "searn-shortcut",
+    "cpi",
+    "dagger",
+    "dagger-online",
+    "aggrevate",
+    "lols",
+    "lols-online",
+    "stacked",
+    "early-update",
+];
+
+/// Those who find costs by rolling out: the expert acts for them and gives no label.
+const ROLL_OUTS: [&str; 4] = ["searn", "cpi", "lols", "lols-online"];
 const LEARNERS: [&str; 7] = ["perceptron", "logistic", "csoaa", "wap", "filter-tree", "svm", "crammer-singer"];
 
 fn number(value: &Value) -> f64 {
@@ -104,10 +121,10 @@ fn long_inputs_are_tagged_as_their_sentences_are() {
         .collect();
     let alone: Vec<String> =
         sentences.iter().map(|sentence| folder.run_on("tag --model m", sentence.as_str())).collect();
-    // More than two blocks of 16,384 lines.
-    let repeated = |of: &[String]| (0..2500).flat_map(|_| of).fold(String::new(), |all, one| all + one + "\n");
+    // More than two blocks of 65,536 lines.
+    let repeated = |of: &[String]| (0..10_000).flat_map(|_| of).fold(String::new(), |all, one| all + one + "\n");
     let input = repeated(&sentences);
-    assert!(input.lines().count() > 2 * 16_384);
+    assert!(input.lines().count() > 2 * 65_536);
     assert!(folder.run_on("tag --model m", input.as_str()) == repeated(&alone));
     assert!(folder.run_on("tag --model m --threads 1", input) == repeated(&alone));
 }
@@ -119,9 +136,9 @@ fn sampled_mixtures_draw_by_sentence_and_not_by_block() {
     let grammar = shipped("grammars/dialects.grammar");
     folder.put("t.txt", folder.run(&format!("generate --grammar {grammar} --count 40")));
     folder.run("train --data t.txt --model m --algorithm smile --learner perceptron --reading sampled --rounds 4");
-    folder.put("long.txt", folder.run(&format!("generate --grammar {grammar} --count 2000 --seed 2")));
+    folder.put("long.txt", folder.run(&format!("generate --grammar {grammar} --count 8000 --seed 2")));
     let tagged = folder.run_on("tag --model m", folder.get("long.txt"));
-    assert!(tagged.lines().count() > 2 * 16_384);
+    assert!(tagged.lines().count() > 2 * 65_536);
     let columns = tagged.lines().map(|line| line.split(' ').collect::<Vec<_>>()).filter(|line| line.len() == 3);
     let right = columns.filter(|line| line[1] == line[2]).count();
     assert_eq!(folder.json("evaluate --model m --data long.txt --json")["right"], right);
@@ -215,7 +232,8 @@ fn check_rows(report: &Value, algorithms: &[&str]) {
     for row in rows {
         let (ledger, expected) = (&row["ledger"], &row["expected"]);
         // Roll-outs ask the expert to act, never for a label.
-        assert_eq!(number(&ledger["labels"]) > 0.0, row["algorithm"] != "searn", "{row}");
+        let rolls_out = row["algorithm"].as_str().is_some_and(|name| ROLL_OUTS.contains(&name));
+        assert_eq!(number(&ledger["labels"]) > 0.0, !rolls_out, "{row}");
         assert!(number(&ledger["queries"]) > 0.0, "{row}");
         assert_eq!(number(&ledger["labels"]), number(&expected["labels"]), "{row}");
         for reading in row["readings"].as_array().expect("a list") {
@@ -249,6 +267,44 @@ fn algorithms_are_compared() {
     assert_eq!((&split["train"]["sentences"], &split["test"]["sentences"]), (&4.into(), &1.into()));
     folder.put("c.txt", CHUNKS);
     assert!(folder.run("compare --data c.txt --test c.txt --algorithms supervised").contains("F1 %"));
+}
+
+/// The settings of each algorithm reach it, and what it says of itself can be read again from its model.
+#[test]
+fn settings_reach_their_algorithms() {
+    let folder = Folder::new();
+    folder.put("t.txt", TAGS);
+    let cases = [
+        (
+            "cpi --beta 0.5 --rollouts 2 --rounds 2",
+            r#"{"cpi":{"rate":{"fixed":0.5},"rounds":2,"samples":2,"warm":false}}"#,
+        ),
+        ("cpi --conservative --warm", r#"{"cpi":{"rate":"advantage","rounds":5,"samples":1,"warm":true}}"#),
+        ("dagger --schedule exponential:0.5", r#"{"dagger":{"rounds":5,"warm":false,"schedule":{"exponential":0.5}}}"#),
+        ("dagger-online", r#"{"dagger-online":{"rounds":5,"warm":false,"schedule":null}}"#),
+        ("aggrevate --schedule linear:3", r#"{"aggrevate":{"rounds":5,"warm":false,"schedule":{"linear":3}}}"#),
+        ("lols --reference 0", r#"{"lols":{"beta":0.0,"rounds":5,"warm":false}}"#),
+        ("lols-online --reference 1 --rounds 3", r#"{"lols-online":{"beta":1.0,"rounds":3,"warm":false}}"#),
+        ("stacked --folds 2 --window 1", r#"{"stacked":{"folds":2,"window":1}}"#),
+        ("early-update --width 8 --rounds 6", r#"{"early-update":{"width":8,"rounds":6}}"#),
+    ];
+    for (settings, trainer) in cases {
+        folder.run(&format!("train --data t.txt --model m --algorithm {settings}"));
+        assert_eq!(folder.json("inspect m --json")["about"]["trainer"], trainer, "{settings}");
+        // What a model file says is what was trained: it labels the same, whole or line by line.
+        let once = folder.run_on("tag --model m", TAGS);
+        assert_eq!(once, folder.run_on("tag --model m --threads 2", TAGS), "{settings}");
+        assert_eq!(once.lines().count(), TAGS.lines().count());
+    }
+    assert!(folder.run("inspect m").contains("one classifier with a beam, 8 wide\n"));
+    assert_eq!(folder.json("inspect m --json")["about"]["learner"], "none");
+    folder.run("train --data t.txt --model m --algorithm stacked --window 3");
+    assert!(folder.run("inspect m").contains("two stages, window 3\n"));
+    // Only LOLS tells what it could have done better.
+    let table = |algorithm: &str| folder.run(&format!("train --data t.txt --model m --algorithm {algorithm}"));
+    assert!(table("lols-online").contains("regret to the expert") && !table("dagger").contains("regret"));
+    let rounds = folder.json("train --data t.txt --model m --algorithm lols --rounds 2 --json");
+    assert!(rounds["rounds"][0]["regret"].is_null() && number(&rounds["rounds"][1]["regret"]["reference"]) >= 0.0);
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn a_stream_keeps_its_columns() {
     folder.put("t", TAGS);
     folder.run("train --data t --model m");
     let sentence = "the D\nold A\n\n";
-    let block = sentence.repeat(16_384 / 3);
+    let block = sentence.repeat(65_536 / 3);
     let lines = block.lines().count();
     for (line, columns) in [("a X Y", 3), ("a", 1)] {
         let output =
@@ -142,7 +142,7 @@ fn templates_that_are_none() {
         ("U:%x[999,0]\n", "p:1:6: "),
         ("U:%m[0,0,\"a]\n", "p:1:"),
         ("U:%m[0,0,\"*\"]\n", "p:1:"),
-        ("U:%y[1]\n", "p:1:6: "),
+        ("U:%y[9]\n", "p:1:6: "),
         ("U:%x[*2,0]\n", "p:1:6: "),
         ("@pad a\nU:%x[0,0]\n", "p:1:"),
         ("@pad a b\n@pad a b\nU:%x[0,0]\n", "p:2:1: a second @pad; expected one for the whole template"),
@@ -156,7 +156,7 @@ fn templates_that_are_none() {
     folder.put("p", b"U:%x[0,0]\nU\xff\n");
     folder.says("train --data t --model m --template p", "p:2:2: a byte that is not UTF-8; expected text in UTF-8");
     folder.put("p", "U:%y[-9]\n");
-    folder.says("train --data t --model m --template p", "p:1:6: \"-9]\"; expected a label before, from -1 to -8");
+    folder.says("train --data t --model m --template p", "p:1:6: \"-9]\"; expected a label, from -8 to 8");
 }
 
 #[test]
@@ -206,6 +206,17 @@ fn settings_out_of_range() {
         ("supervised --alpha 0.5", "--alpha is given, but must be left out: supervised has no such setting"),
         ("supervised --rounds 2", "--rounds is given, but must be left out: supervised has no such setting"),
         ("dagger-online --warm", "--warm is given, but must be left out: dagger-online has no such setting"),
+        ("lols-online --warm", "--warm is given, but must be left out: lols-online has no such setting"),
+        ("stacked --rounds 2", "--rounds is given, but must be left out: stacked has no such setting"),
+        ("searn --schedule first", "--schedule is given, but must be left out: searn has no such setting"),
+        ("searn --conservative", "--conservative is given, but must be left out: searn has no such setting"),
+        ("cpi --reference 0.5", "--reference is given, but must be left out: cpi has no such setting"),
+        ("cpi --beta 0", "--beta is 0, but must be above 0 and at most 1"),
+        ("lols --reference 1.5", "--reference is 1.5, but must be from 0 to 1"),
+        ("lols --reference nan", "--reference is NaN, but must be from 0 to 1"),
+        ("stacked --folds 1", "--folds is 1, but must be at least 2"),
+        ("stacked --window 65", "--window is 65, but must be from 0 to 64"),
+        ("early-update --width 0", "--width is 0, but must be from 1 to 1024"),
         ("smile --beta 0.5", "--beta is given, but must be left out: smile has no such setting"),
         (
             "searn-shortcut --rollouts 2",
@@ -221,6 +232,10 @@ fn settings_out_of_range() {
         "compare --data t --algorithms smile,dagger --beta 0.5",
         "--beta is given, but must be left out: smile, dagger have no such setting",
     );
+    let schedule = folder.refused("train --data t --model m --algorithm dagger --schedule linear:0");
+    assert!(schedule.contains("linear over 0 rounds, but must be at least 1 round"), "{schedule}");
+    let both = folder.refused("train --data t --model m --algorithm cpi --conservative --beta 0.5");
+    assert!(both.contains("cannot be used with"), "{both}");
     for command in ["tag --model m --json", "generate --grammar g --count 1 --json"] {
         let message = folder.refused(command);
         assert!(message.starts_with("error: --json is given, but must be left out: "), "{message}");
@@ -329,8 +344,8 @@ fn a_model_is_blamed_for_its_own_template() {
         let message = folder.refused_on("tag --model m", "the\n");
         assert!(message.starts_with("error: m: the model is damaged: "), "{new}: {message}");
     }
-    folder.put("m", forged(&good, "\"tagging\"", "\"parsing\""));
-    folder.says("inspect m", "m: a model for parsing; a tagging model is needed");
+    folder.put("m", forged(&good, "\"tagging\"", "\"weaving\""));
+    folder.says("inspect m", "m: a model for weaving; this program knows tagging, parsing");
 }
 
 #[test]
@@ -399,6 +414,6 @@ fn what_would_be_lost_or_ignored_is_refused() {
     folder.put("far.template", "U:%x[0,0]\nU:%y[-9]\n");
     folder.says(
         "train --data t --model m --template far.template",
-        "far.template:2:6: \"-9]\"; expected a label before, from -1 to -8",
+        "far.template:2:6: \"-9]\"; expected a label, from -8 to 8",
     );
 }

@@ -1,11 +1,14 @@
 //! Arguments outside their range are refused by name.
 
 use crate::common::{learners, problem};
-use rollin::Error;
 use rollin::policy::{Mixture, Reading};
 use rollin::space::Imitation;
-use rollin::tasks::tagging::{TaggingProblem, Trainer};
-use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
+use rollin::space::experts::{Noisy, Partly, Suboptimal};
+use rollin::tasks::tagging::{Gold, TaggingProblem, Trainer};
+use rollin::trainer::{
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Run, Schedule, Searn, Smile, Stacking, Supervised,
+};
+use rollin::{Error, Seed};
 
 fn small() -> TaggingProblem {
     problem(&vec![vec![("the".into(), "D".into()), ("cat".into(), "N".into())]])
@@ -78,4 +81,54 @@ fn weights_of_mixtures() {
         assert!(matches!(refusal, Err(Error::Argument { name: "weights", .. })), "{weights:?}");
     }
     assert!(Mixture::of(vec![(0.0, ()), (1.0, ())], Reading::Vote).is_ok());
+}
+
+#[test]
+fn shares_and_sizes_of_the_later_trainers() {
+    let problem = small();
+    for rate in [0.0, -0.1, 1.0 + f64::EPSILON, f64::NAN] {
+        refused(&Trainer::Cpi(Cpi { rate: Rate::Fixed(rate), ..Cpi::default() }), &problem, "rate");
+    }
+    for beta in [-0.1, 1.0 + f64::EPSILON, f64::NAN, f64::INFINITY] {
+        refused(&Trainer::Lols(Lols { beta, ..Lols::default() }), &problem, "beta");
+        refused(&Trainer::LolsOnline(Lols { beta, ..Lols::default() }), &problem, "beta");
+    }
+    let bad =
+        [Schedule::Exponential(1.0), Schedule::Exponential(-0.1), Schedule::Exponential(f64::NAN), Schedule::Linear(0)];
+    for schedule in bad {
+        let dagger = Dagger { schedule: Some(schedule), ..Dagger::default() };
+        refused(&Trainer::Dagger(dagger.clone()), &problem, "schedule");
+        refused(&Trainer::DaggerOnline(dagger), &problem, "schedule");
+        refused(&Trainer::Aggrevate(Aggrevate { schedule, ..Aggrevate::default() }), &problem, "schedule");
+    }
+    for text in ["", "First", "linear", "linear:0", "linear:-1", "linear:x", "exponential:1", "exponential:", "often:2"]
+    {
+        assert!(matches!(Schedule::parse(text), Err(Error::Argument { name: "schedule", .. })), "{text}");
+    }
+    assert_eq!(Schedule::parse("exponential:0.25").unwrap().share(3), 0.0625);
+    assert_eq!(
+        (1..=4).map(|i| Schedule::parse("linear:2").unwrap().share(i)).collect::<Vec<_>>(),
+        [1.0, 0.5, 0.0, 0.0]
+    );
+    assert_eq!((1..=2).map(|i| Schedule::parse("first").unwrap().share(i)).collect::<Vec<_>>(), [1.0, 0.0]);
+    refused(&Trainer::Cpi(Cpi { rounds: 0, ..Cpi::default() }), &problem, "rounds");
+    refused(&Trainer::Cpi(Cpi { samples: 0, ..Cpi::default() }), &problem, "samples");
+    refused(&Trainer::Aggrevate(Aggrevate { rounds: 0, ..Aggrevate::default() }), &problem, "rounds");
+    refused(&Trainer::Lols(Lols { rounds: 0, ..Lols::default() }), &problem, "rounds");
+    refused(&Trainer::LolsOnline(Lols { rounds: 0, ..Lols::default() }), &problem, "rounds");
+    refused(&Trainer::EarlyUpdate(EarlyUpdate { rounds: 0, ..EarlyUpdate::default() }), &problem, "rounds");
+    refused(&Trainer::EarlyUpdate(EarlyUpdate { width: 0, ..EarlyUpdate::default() }), &problem, "width");
+    refused(&Trainer::EarlyUpdate(EarlyUpdate { width: 1025, ..EarlyUpdate::default() }), &problem, "width");
+    refused(&Trainer::Stacked(Stacking { folds: 1, ..Stacking::default() }), &problem, "folds");
+    refused(&Trainer::Stacked(Stacking { window: 65, ..Stacking::default() }), &problem, "window");
+    let Imitation { space, expert, .. } = problem;
+    let none = Imitation { space, expert, episodes: 0 };
+    for trainer in crate::common::trainers() {
+        refused(&trainer, &none, "episodes");
+    }
+    for chance in [-0.1, 1.1, f64::NAN] {
+        assert!(matches!(Noisy::new(Gold, chance), Err(Error::Argument { name: "wrong", .. })));
+        assert!(matches!(Partly::new(Gold, chance), Err(Error::Argument { name: "silent", .. })));
+        assert!(matches!(Suboptimal::new(Gold, chance, Seed::new(1)), Err(Error::Argument { name: "bad", .. })));
+    }
 }

@@ -1,12 +1,14 @@
 //! Labels and the whole bill: exact where nothing is left to chance, within six standard deviations elsewhere.
 
-use crate::common::{Labels, any_corpora, corpora, fixed, learners, problem, sample, tokens, trainers};
+use crate::common::{Labels, any_corpora, corpora, fixed, learners, problem, rolls_out, sample, tokens, trainers};
 use proptest::prelude::*;
 use rollin::Seed;
 use rollin::space::{Episode, Imitation, Problem, Space};
 use rollin::tasks::tagging::{TaggingProblem, Trainer};
 use rollin::theory::ledgers::{Expected, Extent};
-use rollin::trainer::{Dagger, Forward, Reuse, Run, Searn, Smile};
+use rollin::trainer::{
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Reuse, Run, Schedule, Searn, Smile, Stacking,
+};
 use rollin::worker::{Ledger, Worker};
 
 fn rounds(trainer: &Trainer) -> u64 {
@@ -15,6 +17,12 @@ fn rounds(trainer: &Trainer) -> u64 {
         Trainer::Smile(smile) => smile.rounds as u64,
         Trainer::Searn(searn) | Trainer::SearnShortcut(searn) => searn.rounds as u64,
         Trainer::Dagger(dagger) | Trainer::DaggerOnline(dagger) => dagger.rounds as u64,
+        Trainer::Cpi(cpi) => cpi.rounds as u64,
+        Trainer::Aggrevate(aggrevate) => aggrevate.rounds as u64,
+        Trainer::Lols(lols) | Trainer::LolsOnline(lols) => lols.rounds as u64,
+        Trainer::Stacked(_) => 2,
+        // The expert goes through once.
+        Trainer::EarlyUpdate(_) => 1,
     }
 }
 
@@ -31,13 +39,15 @@ fn same_but_for_acts(trainer: &Trainer, ledger: Ledger, expected: Expected, free
     let found = Expected::from(ledger);
     assert!(near(found.labels, expected.labels), "{trainer:?}: {found:?} for {expected:?}");
     assert!(near(found.examples, expected.examples), "{trainer:?}: {found:?} for {expected:?}");
-    if free || !matches!(trainer, Trainer::Searn(_)) {
+    if let Trainer::EarlyUpdate(_) = trainer {
+        assert!(found.steps <= expected.steps && found.resets <= expected.resets, "{found:?} above {expected:?}");
+        assert!(found.resets > 0.0 && found.rollouts == 0.0);
+    } else if free && !matches!(trainer, Trainer::Cpi(_)) || !rolls_out(trainer) {
         assert!(near(found.steps, expected.steps), "{trainer:?}: {found:?} for {expected:?}");
         assert!(near(found.rollouts, expected.rollouts), "{trainer:?}: {found:?} for {expected:?}");
         assert!(near(found.resets, expected.resets), "{trainer:?}: {found:?} for {expected:?}");
     }
-    let searn = matches!(trainer, Trainer::Searn(_));
-    let consulted = if searn { ledger.expert_acts + ledger.rollout_acts } else { ledger.labels };
+    let consulted = if rolls_out(trainer) { ledger.expert_acts + ledger.rollout_acts } else { ledger.labels };
     assert_eq!(ledger.queries, consulted, "{trainer:?}: a state is one query, labelled, driven or both");
 }
 
@@ -54,13 +64,14 @@ proptest! {
             for learner in learners() {
                 let trained = trainer.train(&problem, &learner, &Run::new(1)).unwrap();
                 let ledger = trained.ledger;
-                let labels = if matches!(trainer, Trainer::Searn(_)) { 0 } else { rounds(&trainer) * n };
+                let labels = if rolls_out(&trainer) { 0 } else { rounds(&trainer) * n };
                 prop_assert_eq!(ledger.labels, labels, "{:?} with {:?}", trainer, learner);
-                prop_assert_eq!(ledger.examples, rounds(&trainer) * n);
+                let states = if let Trainer::Cpi(_) = trainer { problem.episodes() as u64 } else { n };
+                prop_assert_eq!(ledger.examples, rounds(&trainer) * states);
                 same_but_for_acts(&trainer, ledger, trainer.expected(&extent), free);
                 // The last entry of the book is the bill, and it never goes down.
                 prop_assert_eq!(trained.rounds.last().unwrap().ledger, ledger);
-                prop_assert!(trained.rounds.windows(2).all(|two| two[0].ledger.examples < two[1].ledger.examples));
+                prop_assert!(trained.rounds.windows(2).all(|two| two[0].ledger.steps < two[1].ledger.steps));
             }
         }
     }
@@ -70,13 +81,22 @@ proptest! {
     fn bills_without_chance_are_exact(sentences in corpora(Labels::Free(3), 20, 8)) {
         let problem = problem(&sentences);
         let extent = Extent::of(&problem);
-        let whole = Dagger { rounds: 2, warm: true };
+        let whole = Dagger { rounds: 2, warm: true, schedule: None };
+        let lols = |beta| Lols { beta, rounds: 3, warm: true };
         let searn = Searn { beta: 1.0, rounds: 2, samples: 3, warm: true };
         let certain = [
             Trainer::Supervised(Default::default()),
             Trainer::Forward(Default::default()),
             Trainer::Dagger(whole.clone()),
-            Trainer::DaggerOnline(whole),
+            Trainer::DaggerOnline(whole.clone()),
+            Trainer::Dagger(Dagger { schedule: Some(Schedule::Exponential(0.0)), ..whole.clone() }),
+            Trainer::DaggerOnline(Dagger { schedule: Some(Schedule::First), ..whole }),
+            Trainer::Aggrevate(Aggrevate { rounds: 3, warm: true, schedule: Schedule::Linear(1) }),
+            Trainer::Lols(lols(1.0)),
+            Trainer::Lols(lols(0.0)),
+            Trainer::LolsOnline(lols(1.0)),
+            Trainer::LolsOnline(lols(0.0)),
+            Trainer::Stacked(Stacking { folds: 4, window: 2 }),
             Trainer::Smile(Smile { alpha: 1.0, rounds: 3, warm: true, reuse: Reuse::None }),
             Trainer::Searn(searn.clone()),
             Trainer::SearnShortcut(searn),
@@ -149,6 +169,81 @@ fn roll_out_acts_are_as_many_as_predicted() {
             within(ledger.rollout_acts, expected.rollout_acts, samples as f64 * squares * spread, &what);
             within(ledger.queries, expected.queries, (n + samples as f64 * squares) * spread, &what);
         }
+    }
+}
+
+/// One independent draw a step of a round's roll-ins, with a share that follows the schedule.
+#[test]
+fn schedules_are_driven_as_often_as_predicted() {
+    let problem = problem(&sample(Labels::Spans(2), 300));
+    let (extent, n) = (Extent::of(&problem), tokens(&problem) as f64);
+    for schedule in [Schedule::Exponential(0.6), Schedule::Linear(4)] {
+        let dagger = Dagger { rounds: 5, warm: true, schedule: Some(schedule) };
+        let aggrevate = Aggrevate { rounds: 5, warm: true, schedule };
+        let spread: f64 = (1..=5).map(|i| schedule.share(i)).map(|p| p * (1.0 - p)).sum();
+        for trainer in [Trainer::Dagger(dagger.clone()), Trainer::DaggerOnline(dagger), Trainer::Aggrevate(aggrevate)] {
+            let ledger = trainer.train(&problem, &learners()[0], &Run::new(3)).unwrap().ledger;
+            within(ledger.expert_acts, trainer.expected(&extent).expert_acts, n * spread, &format!("{trainer:?}"));
+        }
+    }
+}
+
+/// LOLS draws once a state who rolls out, for all A actions: the acts of a round have variance beta (1-beta) sum (A (L-t))^2.
+/// Of CPI's rounds only bounds are used: a state's roll-outs and the steps before it are at most k A L + L acts.
+#[test]
+fn drawn_roll_outs_are_as_many_as_predicted() {
+    let problem = problem(&sample(Labels::Free(3), 200));
+    let extent = Extent::of(&problem);
+    let squares = |of: &dyn Fn(f64) -> f64| lengths(&problem).iter().map(|l| of(*l)).sum::<f64>();
+    let rests = squares(&|l| (0..l as usize).map(|rest| (3.0 * rest as f64).powi(2)).sum());
+    for beta in [0.3, 0.8] {
+        let lols = Lols { beta, rounds: 4, warm: false };
+        for (trainer, rounds) in [(Trainer::Lols(lols.clone()), 3.0), (Trainer::LolsOnline(lols), 4.0)] {
+            let ledger = trainer.train(&problem, &learners()[0], &Run::new(1)).unwrap().ledger;
+            let expected = trainer.expected(&extent).rollout_acts;
+            within(ledger.rollout_acts, expected, rounds * beta * (1.0 - beta) * rests, &format!("{trainer:?}"));
+        }
+    }
+    let cpi = Cpi { rate: Rate::Fixed(0.3), rounds: 3, samples: 2, warm: false };
+    let trainer = Trainer::Cpi(cpi);
+    let (ledger, expected) =
+        (trainer.train(&problem, &learners()[0], &Run::new(1)).unwrap().ledger, trainer.expected(&extent));
+    let most = 3.0 * squares(&|l| (7.0 * l).powi(2)) / 4.0;
+    within(ledger.queries, expected.queries, most, "cpi");
+    within(ledger.rollout_acts, expected.rollout_acts, most, "cpi");
+    within(ledger.steps, expected.steps, most, "cpi");
+    assert_eq!(ledger.rollouts as f64, expected.rollouts);
+}
+
+/// Of one deviation an episode nothing but the length of the expert's share is left to chance: L-1 acts while it drives alone, L-1-t where t is
+/// uniform, of variance (L^2-1)/12, after that.
+#[test]
+fn single_deviations_are_billed_as_predicted() {
+    let problem = problem(&sample(Labels::Spans(2), 200));
+    let aggrevate = Aggrevate { rounds: 4, ..Aggrevate::default() };
+    let ledger = aggrevate.train(&problem, &rollin::learner::Csoaa::default(), &Run::new(1)).unwrap().ledger;
+    let expected = rollin::theory::ledgers::aggrevate(&Extent::of(&problem), &aggrevate);
+    let variance = 3.0 * lengths(&problem).iter().map(|l| (l * l - 1.0) / 12.0).sum::<f64>();
+    within(ledger.expert_acts, expected.expert_acts, variance, "aggrevate");
+    assert_eq!((ledger.examples as f64, ledger.steps as f64), (expected.examples, expected.steps));
+    assert_eq!((ledger.labels, ledger.resets, ledger.queries), (0, 0, ledger.expert_acts));
+    // With roll-outs of the expert in place of its cost-to-go: the same examples, another bill.
+    let free = crate::common::problem(&sample(Labels::Free(3), 30));
+    let (aggrevate, extent) = (Aggrevate { rounds: 2, ..aggrevate }, Extent::of(&free));
+    let (learner, mixed) = (rollin::learner::Perceptron::default(), rollin::roll::Mixed { expert: 1.0 });
+    let ledger = aggrevate.train_by(&free, &learner, &mixed, &Run::new(1)).unwrap().ledger;
+    assert_eq!(Expected::from(ledger), rollin::theory::ledgers::aggrevate_rollouts(&extent, &aggrevate));
+}
+
+/// A beam of one never goes back.
+#[test]
+fn a_beam_of_one_needs_no_reset() {
+    let problem = problem(&sample(Labels::Free(3), 20));
+    for (width, resets) in [(1, false), (2, true)] {
+        let trainer = Trainer::EarlyUpdate(EarlyUpdate { width, rounds: 2 });
+        let ledger = trainer.train(&problem, &learners()[0], &Run::new(1)).unwrap().ledger;
+        assert_eq!(ledger.resets > 0, resets);
+        assert!(Expected::from(ledger).resets <= trainer.expected(&Extent::of(&problem)).resets);
     }
 }
 

@@ -11,7 +11,9 @@ use rollin::read::template::Template;
 use rollin::space::Sight;
 use rollin::space::{Features, Problem, Space};
 use rollin::tasks::tagging::{AnyLearner, Encoding, LabelColumn, TaggingProblem, Trainer};
-use rollin::trainer::{Dagger, Forward, Searn, Smile, Supervised};
+use rollin::trainer::{
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Schedule, Searn, Smile, Stacking, Supervised,
+};
 
 /// `cases` cases that are the same in every run.
 pub fn fixed(cases: u32) -> ProptestConfig {
@@ -123,7 +125,8 @@ pub fn tokens(problem: &impl Problem) -> u64 {
 /// Every trainer, with settings small enough for tests.
 pub fn trainers() -> Vec<Trainer> {
     let searn = Searn { beta: 0.4, rounds: 3, samples: 2, warm: false };
-    let dagger = Dagger { rounds: 3, warm: false };
+    let dagger = Dagger { rounds: 3, warm: false, schedule: None };
+    let lols = Lols { beta: 0.5, rounds: 3, warm: false };
     vec![
         Trainer::Supervised(Supervised::default()),
         Trainer::Forward(Forward { warm: true, ..Forward::default() }),
@@ -131,8 +134,21 @@ pub fn trainers() -> Vec<Trainer> {
         Trainer::Searn(searn.clone()),
         Trainer::SearnShortcut(searn),
         Trainer::Dagger(dagger.clone()),
-        Trainer::DaggerOnline(dagger),
+        Trainer::DaggerOnline(dagger.clone()),
+        Trainer::Cpi(Cpi { rate: Rate::Fixed(0.4), rounds: 4, samples: 2, warm: true }),
+        Trainer::Dagger(Dagger { schedule: Some(Schedule::Exponential(0.5)), warm: true, ..dagger.clone() }),
+        Trainer::DaggerOnline(Dagger { schedule: Some(Schedule::Linear(2)), ..dagger }),
+        Trainer::Aggrevate(Aggrevate { rounds: 3, warm: false, schedule: Schedule::Linear(2) }),
+        Trainer::Lols(lols.clone()),
+        Trainer::LolsOnline(lols),
+        Trainer::Stacked(Stacking { folds: 3, window: 1 }),
+        Trainer::EarlyUpdate(EarlyUpdate { width: 3, rounds: 4 }),
     ]
+}
+
+/// Whether it finds costs by rolling out, and so asks for acts and not for labels.
+pub fn rolls_out(trainer: &Trainer) -> bool {
+    matches!(trainer, Trainer::Searn(_) | Trainer::Cpi(_) | Trainer::Lols(_) | Trainer::LolsOnline(_))
 }
 
 pub fn learners() -> Vec<AnyLearner> {

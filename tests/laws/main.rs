@@ -13,6 +13,8 @@ mod mixtures;
 mod ocr;
 mod optima;
 mod policies;
+mod readings;
 mod regrets;
 mod rollouts;
+mod search;
 mod threads;

@@ -1,6 +1,8 @@
 //! Weights of mixtures and what is drawn by them; nobody asks an expert who is not there.
 
-use crate::common::{Constant, Labels, agree, any_corpora, fixed, learners, problem, sample, tokens, trainers};
+use crate::common::{
+    Constant, Labels, agree, any_corpora, fixed, learners, problem, rolls_out, sample, tokens, trainers,
+};
 use proptest::prelude::*;
 use rollin::learner::Perceptron;
 use rollin::policy::{Member, Mixture, Policy, Reading};
@@ -8,7 +10,9 @@ use rollin::roll::Shortcut;
 use rollin::roll::perform;
 use rollin::space::{CostToGo, Expert, Imitation};
 use rollin::tasks::tagging::{Gold, Learned, Position, Tagging, Trainer};
-use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
+use rollin::trainer::{
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Run, Schedule, Searn, Smile, Stacking, Supervised,
+};
 use rollin::worker::Ledger;
 use rollin::{Purpose, Seed};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -214,6 +218,28 @@ proptest! {
         trained_without(&problem, before, &trained.policy, trained.ledger);
         let (before, trained) = (calls(), Dagger::default().train_online(&problem, &learner, &run).unwrap());
         trained_without(&problem, before, &trained.policy, trained.ledger);
+        let half = Dagger { schedule: Some(Schedule::Exponential(0.5)), ..Dagger::default() };
+        let (before, trained) = (calls(), half.train(&problem, &learner, &run).unwrap());
+        trained_without(&problem, before, &trained.policy, trained.ledger);
+        let (before, trained) = (calls(), half.train_online(&problem, &learner, &run).unwrap());
+        trained_without(&problem, before, &trained.policy, trained.ledger);
+        let (before, trained) = (calls(), Cpi::default().train(&problem, &learner, &run).unwrap());
+        trained_without(&problem, before, &trained.policy, trained.ledger);
+        let aggrevate = Aggrevate { rounds: 2, ..Aggrevate::default() };
+        let (before, trained) = (calls(), aggrevate.train_by(&problem, &learner, &Shortcut, &run).unwrap());
+        trained_without(&problem, before, &trained.policy, trained.ledger);
+        let lols = Lols { rounds: 2, ..Lols::default() };
+        let (before, trained) = (calls(), lols.train(&problem, &learner, &run).unwrap());
+        trained_without(&problem, before, &trained.policy, trained.ledger);
+        let (before, trained) = (calls(), Stacking::default().train(&problem, &learner, &run).unwrap());
+        trained_without(&problem, before, &trained.policy.first, trained.ledger);
+        let after = calls();
+        prop_assert_eq!(trained.policy.perform(&problem, Seed::new(5)).1.queries, 0);
+        let beam = EarlyUpdate { rounds: 2, ..EarlyUpdate::default() };
+        let trained = beam.train(&problem, &run).unwrap();
+        prop_assert_eq!(trained.ledger.queries, calls() - after);
+        prop_assert_eq!(trained.policy.perform(&problem, Seed::new(5)).1.queries, 0);
+        prop_assert_eq!(trained.ledger.queries, calls() - after);
     }
 }
 
@@ -229,14 +255,18 @@ fn a_mixture_with_expert_asks() {
     assert_eq!(perform(&problem, &mixture.without_expert(), Seed::new(1)).1.queries, 0);
 }
 
-/// Only SEARN with roll-outs puts the system back.
+/// Only those who roll out put the system back, and beams.
 #[test]
-fn only_searn_needs_resets() {
+fn only_roll_outs_need_resets() {
     let problem = problem(&sample(Labels::Spans(2), 12));
     for learner in learners() {
         for trainer in trainers() {
             let ledger = trainer.train(&problem, &learner, &Run::new(2)).unwrap().ledger;
-            let rolls_out = matches!(trainer, Trainer::Searn(_));
+            let rolls_out = rolls_out(&trainer);
+            if let Trainer::EarlyUpdate(_) = trainer {
+                assert!(ledger.resets > 0 && ledger.rollouts == 0);
+                continue;
+            }
             assert_eq!(ledger.rollouts, ledger.resets);
             assert_eq!(ledger.resets > 0, rolls_out, "{trainer:?}: {ledger:?}");
             assert!(rolls_out || ledger.rollout_acts == 0);

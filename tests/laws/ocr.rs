@@ -205,7 +205,7 @@ fn the_words_of_kassel_and_taskar() {
     assert_eq!(sizes[9], (675, 5142));
     let see = Sightings { patch: 3, history: 2, ..Sightings::default() };
     let problem = Ocr::new(&fold(0), see.clone()).unwrap().problem();
-    let dagger = Dagger { rounds: 2, warm: false };
+    let dagger = Dagger { rounds: 2, ..Dagger::default() };
     let trained = dagger.train_online(&problem, &Logistic::default(), &Run::new(1)).unwrap();
     let test = Ocr::new(&fold(1), see).unwrap().problem();
     let found = Accuracy::of(&test.space, &perform(&test, &trained.policy, Seed::new(2)).0.costs);

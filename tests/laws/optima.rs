@@ -8,9 +8,9 @@ use rollin::learner::{
     CostTree, CrammerSinger, Examples, Learner, Net, Reliability, Ridge, Setting, Step, Svm, Target, calibrate,
 };
 use rollin::policy::{Calibrated, Classifier, Linear, Valued};
-use rollin::roll::perform;
+use rollin::roll::{Shortcut, perform};
 use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Sight};
-use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
+use rollin::trainer::{Aggrevate, Cpi, Dagger, Forward, Lols, Run, Searn, Smile, Supervised};
 
 /// Examples of a few features, all of them dynamic, all actions legal.
 #[derive(Clone, Debug)]
@@ -248,7 +248,7 @@ fn a_temperature_by_hand() {
     assert_eq!(calibrate(Constant(vec![3.0, 0.0]), setting, &Examples::default()).temperature, 1.0);
 }
 
-/// Learners whose classifiers are not linear, under every trainer but the one that needs them to learn online (the net does that too).
+/// Learners whose classifiers are not linear, under every trainer but those that need them to learn online (the net does that too).
 #[test]
 fn every_trainer_takes_trees_and_nets() {
     fn check<L: Learner<Features, Classifier: Clone>>(learner: &L) {
@@ -260,6 +260,9 @@ fn every_trainer_takes_trees_and_nets() {
         let smile = Smile::default().train(&problem, learner, &run).unwrap().policy;
         let searn = Searn { rounds: 2, ..Searn::default() }.train(&problem, learner, &run).unwrap().policy;
         let dagger = Dagger::default().train(&problem, learner, &run).unwrap().policy;
+        let cpi = Cpi { rounds: 2, ..Cpi::default() }.train(&problem, learner, &run).unwrap().policy;
+        let aggrevate = Aggrevate::default().train_by(&problem, learner, &Shortcut, &run).unwrap().policy;
+        let lols = Lols { rounds: 2, ..Lols::default() }.train(&problem, learner, &run).unwrap().policy;
         // Two labels in three go with the word; a label is one of three. Forward training sees few examples a step.
         for costs in [
             perform(&problem, &supervised, Seed::new(2)).0.costs,
@@ -267,9 +270,13 @@ fn every_trainer_takes_trees_and_nets() {
             perform(&problem, &smile, Seed::new(2)).0.costs,
             perform(&problem, &searn, Seed::new(2)).0.costs,
             perform(&problem, &dagger, Seed::new(2)).0.costs,
+            perform(&problem, &aggrevate, Seed::new(2)).0.costs,
+            perform(&problem, &lols, Seed::new(2)).0.costs,
         ] {
             assert!(right(costs.clone()) > 0.55, "{}", right(costs));
         }
+        // CPI learns from one state a sentence and mixes the expert in.
+        assert!(right(perform(&problem, &cpi, Seed::new(2)).0.costs) > 0.4);
     }
     check(&Net { units: 16, rate: 0.02, ..Net::default() });
     check(&CostTree::default());
@@ -277,6 +284,9 @@ fn every_trainer_takes_trees_and_nets() {
     let net = Net { units: 16, rate: 0.02, ..Net::default() };
     let online = |seed| Dagger::default().train_online(&problem, &net, &Run::new(seed)).unwrap().policy;
     assert!(online(1).0 == online(1).0 && online(1).0 != online(2).0);
+    let searching = Lols { rounds: 3, ..Lols::default() }.train_online(&problem, &net, &Run::new(1)).unwrap().policy;
+    let costs = perform(&problem, &searching, Seed::new(2)).0.costs;
+    assert!(1.0 - costs.iter().sum::<f64>() / tokens(&problem) as f64 > 0.55);
     // A net goes on from where it was.
     let setting = Setting::of(&problem);
     let nothing = Net { passes: 0, ..net.clone() }.fit(setting, &Examples::default(), Some(&online(1).0), Seed::new(7));

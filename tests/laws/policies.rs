@@ -1,6 +1,6 @@
 //! What policies do: their memory does not matter, and their readings are what they say.
 
-use crate::common::{Constant, Labels, corpora, drawn, fixed, learners, problem, sample, trainers};
+use crate::common::{Constant, Labels, corpora, drawn, fixed, learners, problem, rolls_out, sample, trainers};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use rollin::policy::{Classifier, Greedy, Ladder, Linear, Mixture, Policy, Reading};
@@ -77,7 +77,8 @@ fn memory_does_not_matter_in_long_sentences() {
         [&sentences[sentences.len() - 2..].concat()[..], &sentences[sentences.len() / 2 + 5]].map(|s| s.to_vec());
     assert!(long[0].len() > 512, "{} tokens", long[0].len());
     let problem = problem(&long.to_vec());
-    let no_roll_outs = trainers().into_iter().filter(|t| !matches!(t, Trainer::Searn(_) | Trainer::Forward(_)));
+    let slow = |t: &Trainer| rolls_out(t) || matches!(t, Trainer::Forward(_));
+    let no_roll_outs = trainers().into_iter().filter(|t| !slow(t));
     for trainer in no_roll_outs {
         for learner in learners() {
             let policy = trainer.train(&problem, &learner, &Run::new(1)).unwrap().policy;

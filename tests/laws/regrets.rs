@@ -79,7 +79,7 @@ impl World {
 
     /// What a classifier with these scores of its columns chooses.
     fn choice(&self, columns: Columns, scores: &[f32]) -> Action {
-        let mut weights = Weights::new(1, columns.count(self.actions), 1);
+        let mut weights = Weights::new(1, columns.count(self.actions));
         weights.row_mut(0)[..scores.len()].copy_from_slice(scores);
         let view = Features { row: NO_ROW, dynamic: vec![0] };
         let sight = Sight { shared: &FeatureTable::new(1), view: &view, legal: self.legal() };

@@ -2,10 +2,10 @@
 
 use crate::common::{Labels, encoded, learners, sample, trainers};
 use rayon::ThreadPoolBuilder;
+use rollin::Seed;
 use rollin::tasks::tagging::{About, AnyLearner, Encoding, Tagger, TaggingProblem, Trainer};
 use rollin::trainer::Run;
 use rollin::worker::Ledger;
-use rollin::{Seed, roll::perform};
 
 fn bytes(encoding: &Encoding, problem: &TaggingProblem, how: (&Trainer, &AnyLearner), seed: u64) -> (Vec<u8>, Ledger) {
     let trained = how.0.train(problem, how.1, &Run::new(seed)).expect("the settings are in range");
@@ -38,7 +38,7 @@ fn runs_of_a_sampled_mixture_do_not_depend_on_threads() {
     let (_, problem) = encoded(&sample(Labels::Free(4), 60));
     for trainer in trainers() {
         let policy = trainer.train(&problem, &learners()[0], &Run::new(4)).expect("the settings are in range").policy;
-        let run = |threads, seed| at(threads, || perform(&problem, &policy, Seed::new(seed)));
+        let run = |threads, seed| at(threads, || policy.perform_from(&problem, 0, Seed::new(seed)));
         let (one, bill) = run(1, 1);
         for threads in [2, 5] {
             let (other, other_bill) = run(threads, 1);

@@ -30,8 +30,8 @@ pub(super) enum Part {
     Text(String),
     /// Something made of a cell; the column's number stands at byte `at` of the line.
     Cell { transform: Transform, row: Row, column: u32, at: usize },
-    /// The label so many tokens before.
-    Label(u32),
+    /// The label so many tokens further on.
+    Label(i32),
 }
 
 /// Which token of the sentence a cell belongs to.
@@ -147,9 +147,9 @@ fn command<'a>(whole: &'a str, input: &'a str) -> Parsed<'a, Part> {
     let (input, letter) = want("x, t, m, s or y after %", one_of("xXtTmMsSy")).parse(input)?;
     let (input, _) = want("[", char('[')).parse(input)?;
     if letter == 'y' {
-        let (input, k) = want("a label before, from -1 to -8", integer(-BACK, -1)).parse(input)?;
+        let (input, k) = want("a label, from -8 to 8", integer(-BACK, BACK)).parse(input)?;
         let (input, _) = want("]", close).parse(input)?;
-        return Ok((input, Part::Label(k.unsigned_abs())));
+        return Ok((input, Part::Label(k)));
     }
     let (input, row) = row(input)?;
     let (input, _) = want("a comma and the column", comma).parse(input)?;

@@ -50,9 +50,9 @@ fn every_fault_has_its_place() {
         ("U%m[0,0,\"a\\\"]", "t:1:14: the line's end; expected a quote that ends the regular expression"),
         ("U%m[0,0,\"é**\"]", "t:1:12: \"*\\\"]\"; expected a character to repeat before * and ?, or a backslash"),
         ("U%s[0,0,0]", "t:1:9: \"0]\"; expected a number of characters, from 1"),
-        ("U%y[0]", "t:1:5: \"0]\"; expected a label before, from -1 to -8"),
-        ("U%y[1]", "t:1:5: \"1]\"; expected a label before, from -1 to -8"),
-        ("B%y[-101]", "t:1:5: \"-101]\"; expected a label before, from -1 to -8"),
+        ("U%y[-9]", "t:1:5: \"-9]\"; expected a label, from -8 to 8"),
+        ("U%y[9]", "t:1:5: \"9]\"; expected a label, from -8 to 8"),
+        ("B%y[-101]", "t:1:5: \"-101]\"; expected a label, from -8 to 8"),
         ("U%Y[-1]", "t:1:3: \"Y[-1]\"; expected x, t, m, s or y after %"),
         ("@pad <s>\nU", "t:1:9: the line's end; expected @pad and two words, for cells before and after the sentence"),
         ("@pad a b c\nU", "t:1:9: \" c\"; expected nothing after the two words of @pad"),
@@ -89,7 +89,7 @@ fn history_lines_name_their_labels() {
     let text = "U%y[-2]x%y[-1]\nB\nB%x[0,0]%y[-2]\n*%x[0,0]\n*%y[-3]\n";
     let template = template(text).expect("a template");
     let labels: Vec<_> = template.history().iter().map(|history| history.labels.clone()).collect();
-    assert_eq!(labels, [vec![2, 1], vec![1], vec![2, 1], vec![1], vec![3], vec![3, 1]]);
+    assert_eq!(labels, [vec![-2, -1], vec![-1], vec![-2, -1], vec![-1], vec![-3], vec![-3, -1]]);
     assert_eq!(template.observations(), 1);
     let corpus = corpus("a\n");
     let mut contexts = vec![7];

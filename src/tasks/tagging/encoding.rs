@@ -1,6 +1,6 @@
 //! From the words of a corpus to the numbers of a [`Tagging`] space, and the dictionaries that make the same numbers of another corpus.
 
-use super::space::{HistoryLine, NO_CONTEXT, Tagging};
+use super::space::{HistoryLine, NO_CONTEXT, Reading, Tagging};
 use super::transitions::{Order, Transitions};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
@@ -44,14 +44,14 @@ impl Dictionary {
     /// The number of `key`, if it has one.
     #[inline]
     pub fn find(&self, key: u64) -> Option<u32> {
-        self.index.find(key, |number| self.keys[number as usize] == key)
+        self.index.find(key, |_| true)
     }
 
     /// The number of `key`, the next one if it is new.
     #[inline]
     pub fn intern(&mut self, key: u64) -> u32 {
         self.index.make_room(&self.keys);
-        match self.index.probe(key, |number| self.keys[number as usize] == key) {
+        match self.index.probe(key, |_| true) {
             Ok(number) => number,
             Err(place) => {
                 let number = self.keys.len() as u32;
@@ -208,13 +208,15 @@ impl Encoding {
 
     fn space(&self, corpus: &Corpus, rows: Rows, gold: Vec<u32>) -> Tagging {
         Tagging {
-            table: FeatureTable::from_rows(self.features(), rows.starts, rows.ids),
-            starts: corpus.starts.clone(),
-            gold,
+            table: Arc::new(FeatureTable::from_rows(self.features(), rows.starts, rows.ids)),
+            sentences: corpus.starts.windows(2).map(|pair| [pair[0], pair[1]]).collect(),
+            gold: gold.into(),
             transitions: self.transitions.clone(),
             labels: self.labels.len(),
             history: self.history.clone(),
-            contexts: rows.contexts,
+            far: Tagging::farthest(&self.history),
+            contexts: rows.contexts.into(),
+            reading: Reading::Only,
         }
     }
 }

@@ -5,17 +5,17 @@
 
 pub mod doc;
 mod encoding;
-mod file;
+pub mod readings;
 mod space;
-mod tagger;
-mod training;
+mod task;
 mod transitions;
 
 pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
-pub use tagger::{About, Learned, Tagger};
-pub use training::{AnyLearner, Trainer};
+pub use task::{Header, Settings, Tagger};
 pub use transitions::{Order, Transitions};
+
+pub use super::{About, AnyLearner, Learned, Trainer};
 
 use crate::space::Imitation;
 

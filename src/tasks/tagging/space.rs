@@ -1,6 +1,6 @@
 //! Sentences as a space: one label after the other, left to right.
 
-use super::transitions::Transitions;
+use super::transitions::{Order, Transitions};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, CostToGo, Episode, Expert, FeatureTable, Features, Space};
 use std::sync::Arc;
@@ -11,8 +11,10 @@ pub const MAX_ORDER: usize = crate::read::template::BACK as usize;
 /// The feature numbers of one history line of a template: every context with every combination of the labels it looks at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryLine {
-    /// Which labels it looks at: 1 is the one before.
-    pub back: Vec<u32>,
+    /// How many tokens further on the labels stand that it looks at: -1 is the one before, from 0 on it is that of a first reading.
+    pub labels: Vec<i32>,
+    /// Whether one of them is that of a first reading.
+    pub ahead: bool,
     /// The first of its feature numbers.
     pub base: u32,
     /// How many feature numbers it has.
@@ -28,52 +30,68 @@ pub const NO_CONTEXT: u32 = u32::MAX;
 const MOST: u64 = 1 << 24;
 
 impl HistoryLine {
-    /// The line that looks at the labels `back`, with `contexts` contexts and `labels` labels, numbered from `base`.
-    pub fn new(back: &[u32], contexts: usize, labels: usize, base: u32) -> Self {
-        let all = (labels as u64 + 1).checked_pow(back.len() as u32).and_then(|n| n.checked_mul(contexts as u64));
+    /// The line that looks at the labels `at`, with `contexts` contexts and `labels` labels, numbered from `base`.
+    pub fn new(at: &[i32], contexts: usize, labels: usize, base: u32) -> Self {
+        let all = (labels as u64 + 1).checked_pow(at.len() as u32).and_then(|n| n.checked_mul(contexts as u64));
         let exact = all.is_some_and(|n| n <= MOST);
         let size = all.filter(|_| exact).unwrap_or(MOST) as u32;
-        HistoryLine { back: back.to_vec(), base, size, exact }
+        HistoryLine { labels: at.to_vec(), ahead: at.iter().any(|k| *k >= 0), base, size, exact }
     }
 
-    /// The feature number of `context` after `history`, the last label first.
+    /// The feature number of `context` with the labels around: `label(k)` is the one `k` tokens further on.
     #[inline]
-    fn number(&self, context: u32, history: &[u16; MAX_ORDER], labels: u64) -> u32 {
+    fn number(&self, context: u32, label: impl Fn(i32) -> u16, labels: u64) -> u32 {
         let mut n = u64::from(context);
         if self.exact {
-            for &back in &self.back {
-                n = n * (labels + 1) + u64::from(history[back as usize - 1]);
+            for &k in &self.labels {
+                n = n * (labels + 1) + u64::from(label(k));
             }
             return self.base + n as u32;
         }
-        for &back in &self.back {
-            n = (n ^ u64::from(history[back as usize - 1])).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        for &k in &self.labels {
+            n = (n ^ u64::from(label(k))).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             n ^= n >> 29;
         }
         self.base + (n % MOST) as u32
     }
 }
 
-/// The sentences of a corpus as episodes: one label after the other, left to right.
+/// The sentences of a corpus as episodes: one label after the other, left to right, or right to left in a first reading
+/// ([`Tagging::backwards`]). Copies share what is large.
 #[derive(Clone, Debug)]
 pub struct Tagging {
-    pub(super) table: FeatureTable,
-    /// Sentence i is tokens `starts[i]..starts[i+1]`.
-    pub(super) starts: Vec<u32>,
+    pub(super) table: Arc<FeatureTable>,
+    /// Where each sentence starts and ends.
+    pub(super) sentences: Vec<[u32; 2]>,
     /// The right label of every token; empty where none is known, and then no label costs anything.
-    pub(super) gold: Vec<u32>,
+    pub(super) gold: Arc<[u32]>,
     pub(super) transitions: Arc<Transitions>,
     pub(super) labels: usize,
     pub(super) history: Arc<[HistoryLine]>,
+    /// How many labels back the future of a state depends on; `None` if they do not fit into a signature.
+    pub(super) far: Option<usize>,
     /// `contexts[token * history.len() + line]`
-    pub(super) contexts: Vec<u32>,
+    pub(super) contexts: Arc<[u32]>,
+    pub(super) reading: Reading,
 }
 
-/// A place in a sentence and the labels just before it.
+/// Which way a sentence is read.
+#[derive(Clone, Debug)]
+pub(super) enum Reading {
+    /// From the start to the end.
+    Only,
+    /// From the end to the start, for a second one to know what comes.
+    First,
+    /// From the start to the end, after a first one that gave the tokens these labels.
+    Second(Arc<[u16]>),
+}
+
+/// A place in a sentence and the labels given just before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     token: u32,
-    end: u32,
+    /// Tokens without a label.
+    left: u32,
     /// The last label first; [`Transitions::begin`] where there is none.
     history: [u16; MAX_ORDER],
 }
@@ -87,7 +105,38 @@ impl Position {
 impl Tagging {
     /// How many sentences.
     pub fn sentences(&self) -> usize {
-        self.starts.len() - 1
+        self.sentences.len()
+    }
+
+    /// Whether its features ask for two readings.
+    pub fn looks_ahead(&self) -> bool {
+        self.history.iter().any(|line| line.ahead)
+    }
+
+    /// The same sentences for a first reading, from the end to the start: any label may follow any, and nothing is looked at ahead.
+    pub fn backwards(&self) -> Tagging {
+        Tagging { reading: Reading::First, transitions: Arc::new(self.transitions.freed()), ..self.clone() }
+    }
+
+    /// The same sentences for a second reading, after a first that took these actions, sentence after sentence in its own direction.
+    ///
+    /// # Panics
+    /// When there are fewer actions than tokens.
+    pub fn told(&self, said: &[Action]) -> Tagging {
+        let mut labels = vec![self.transitions.begin() as u16; self.table.rows()];
+        let mut said = said.iter();
+        for [start, end] in &self.sentences {
+            for token in (*start..*end).rev() {
+                labels[token as usize] = said.next().map_or(labels[token as usize], |action| action.0 as u16);
+            }
+        }
+        Tagging { reading: Reading::Second(labels.into()), ..self.clone() }
+    }
+
+    /// Those sentences whose numbers `keep` wants.
+    pub fn part(&self, keep: impl Fn(usize) -> bool) -> Tagging {
+        let kept = self.sentences.iter().enumerate().filter(|(i, _)| keep(*i));
+        Tagging { sentences: kept.map(|(_, sentence)| *sentence).collect(), ..self.clone() }
     }
 
     /// The right labels, one a token; empty where they are not known.
@@ -100,20 +149,33 @@ impl Tagging {
         &self.transitions
     }
 
-    /// How many labels are wrong at best from `token` to `end`, after `previous`: until the right label is legal again all are, and
-    /// after that none need be.
-    fn detour(&self, token: u32, end: u32, previous: u32) -> u32 {
+    /// How many labels back features of these lines, or else the order of labels, look, if as many fit into 64 bits.
+    pub(super) fn farthest(history: &[HistoryLine]) -> Option<usize> {
+        let far = history.iter().flat_map(|line| &line.labels).map(|k| -k).max().unwrap_or(1).max(1) as usize;
+        (far <= MAX_ORDER.min(4)).then_some(far)
+    }
+
+    /// How many labels are wrong at best after `state` if `previous` is taken there: until the right label is legal again all are, and after
+    /// that none need be.
+    fn detour(&self, state: &Position, previous: u32) -> u32 {
+        let (next, end) = (state.token + 1, state.token + state.left);
+        if self.transitions.order() == Order::Free || next == end {
+            return 0;
+        }
+        if self.transitions.after(previous).contains(Action(self.gold[next as usize])) {
+            return 0;
+        }
         let mut front = vec![previous];
-        for at in token..end {
+        for at in next..end {
             let gold = Action(self.gold[at as usize]);
             if front.iter().any(|y| self.transitions.after(*y).contains(gold)) {
-                return at - token;
+                return at - next;
             }
             front = front.iter().flat_map(|y| self.transitions.after(*y).iter().map(|a| a.0)).collect();
             front.sort_unstable();
             front.dedup();
         }
-        end - token
+        end - next
     }
 }
 
@@ -123,13 +185,14 @@ impl Space for Tagging {
 
     fn start(&self, episode: Episode) -> Position {
         let begin = self.transitions.begin() as u16;
-        let (token, end) = (self.starts[episode.index], self.starts[episode.index + 1]);
-        Position { token, end, history: [begin; MAX_ORDER] }
+        let [start, end] = self.sentences[episode.index];
+        let token = if matches!(self.reading, Reading::First) { end - 1 } else { start };
+        Position { token, left: end - start, history: [begin; MAX_ORDER] }
     }
 
     #[inline]
     fn legal<'a>(&'a self, state: &'a Position) -> Actions<'a> {
-        if state.token == state.end { Actions::NONE } else { self.transitions.after(state.previous()) }
+        if state.left == 0 { Actions::NONE } else { self.transitions.after(state.previous()) }
     }
 
     #[inline]
@@ -138,9 +201,24 @@ impl Space for Tagging {
         let contexts = &self.contexts[state.token as usize * lines..][..lines];
         view.row = state.token;
         view.dynamic.clear();
-        for (line, &context) in self.history.iter().zip(contexts) {
-            if context != NO_CONTEXT {
-                view.dynamic.push(line.number(context, &state.history, self.labels as u64));
+        let (labels, begin) = (self.labels as u64, self.transitions.begin() as u16);
+        let before = |k: i32| state.history[(-k) as usize - 1];
+        match &self.reading {
+            Reading::Second(said) => {
+                let said = &said[state.token as usize..(state.token + state.left) as usize];
+                let around = |k: i32| if k < 0 { before(k) } else { said.get(k as usize).copied().unwrap_or(begin) };
+                for (line, &context) in self.history.iter().zip(contexts) {
+                    if context != NO_CONTEXT {
+                        view.dynamic.push(line.number(context, around, labels));
+                    }
+                }
+            }
+            _ => {
+                for (line, &context) in self.history.iter().zip(contexts) {
+                    if context != NO_CONTEXT && !line.ahead {
+                        view.dynamic.push(line.number(context, before, labels));
+                    }
+                }
             }
         }
     }
@@ -148,7 +226,9 @@ impl Space for Tagging {
     #[inline]
     fn step(&self, state: &mut Position, action: Action, _: Seed) -> f64 {
         let wrong = self.gold.get(state.token as usize).is_some_and(|gold| *gold != action.0);
-        state.token += 1;
+        state.token =
+            if matches!(self.reading, Reading::First) { state.token.wrapping_sub(1) } else { state.token + 1 };
+        state.left -= 1;
         state.history.copy_within(..MAX_ORDER - 1, 1);
         state.history[0] = action.0 as u16;
         f64::from(wrong)
@@ -159,14 +239,14 @@ impl Space for Tagging {
     }
 
     fn horizon(&self, index: usize) -> Option<usize> {
-        Some((self.starts[index + 1] - self.starts[index]) as usize)
+        let [start, end] = self.sentences[index];
+        Some((end - start) as usize)
     }
 
     /// The labels that history features and the order of labels look at, where they fit.
     #[inline]
     fn signature(&self, state: &Position) -> Option<u64> {
-        let far = self.history.iter().flat_map(|line| &line.back).copied().max().unwrap_or(1).max(1) as usize;
-        let labels = state.history.get(..far).filter(|labels| labels.len() <= 4)?;
+        let labels = &state.history[..self.far?];
         Some(labels.iter().fold(0, |packed, label| packed << 16 | u64::from(*label)))
     }
 
@@ -189,9 +269,11 @@ impl Expert<Tagging> for Gold {
         if legal.contains(Action(gold)) {
             return Some(Action(gold));
         }
-        legal
-            .iter()
-            .min_by_key(|a| (space.detour(state.token + 1, state.end, a.0), !space.transitions.kin(a.0, gold), a.0))
+        let detour = |a: Action| space.detour(state, a.0);
+        let kin = |a: Action| space.transitions.kin(a.0, gold);
+        // Mostly one of the right label's type leads straight back.
+        let straight = legal.iter().find(|a| kin(*a) && detour(*a) == 0);
+        straight.or_else(|| legal.iter().min_by_key(|a| (detour(*a), !kin(*a), a.0)))
     }
 }
 
@@ -199,8 +281,11 @@ impl CostToGo<Tagging> for Gold {
     fn costs(&self, space: &Tagging, state: &Position, costs: &mut Vec<f64>) {
         costs.clear();
         let Some(gold) = space.gold.get(state.token as usize) else { return };
-        costs.extend(space.legal(state).iter().map(|action| {
-            f64::from(action.0 != *gold) + f64::from(space.detour(state.token + 1, state.end, action.0))
-        }));
+        costs.extend(
+            space
+                .legal(state)
+                .iter()
+                .map(|action| f64::from(action.0 != *gold) + f64::from(space.detour(state, action.0))),
+        );
     }
 }

@@ -55,6 +55,11 @@ impl Transitions {
         Transitions { order, labels: names.len(), after, kinds }
     }
 
+    /// The same labels without any order.
+    pub fn freed(&self) -> Self {
+        Transitions { order: Order::Free, after: Vec::new(), ..self.clone() }
+    }
+
     /// The order that labels of these names suggest: IOB2 where every name is `O`, `B-X` or `I-X`, with at least one `I-X`.
     pub fn suggest(names: &[String]) -> Order {
         let spans = names.iter().all(|name| name == "O" || name.starts_with("B-") || name.starts_with("I-"));

@@ -3,24 +3,21 @@
 //! A magic line with the version, a line with the body's length and checksum, then the body: one line of JSON that says what
 //! follows, and the numbers, little-endian, one array after the other:
 //!
-//! 1. the hashes of the static features, u64, in the order of their numbers;
-//! 2. for each history line the hashes of its contexts, u64;
-//! 3. for each classifier the numbers of the features that have weights, u32, ascending, then their rows, f32.
+//! 1. the task's own arrays, u64: see [`Task::arrays`];
+//! 2. for each classifier the numbers of the features that have weights, u32, ascending, then their rows, f32.
 //!
 //! A file is read as untrusted input: no length in it is believed before the bytes are there. It is written beside its
 //! target and renamed, so a file that exists is whole.
 
-use super::encoding::{Dictionary, Encoding, MOST_LABELS};
-use super::space::MAX_ORDER;
-use super::tagger::{About, Learned, Tagger};
-use super::transitions::{Order, Transitions};
+use super::Task;
+use super::model::{About, Learned, Model};
 use crate::error::{Error, Result};
 use crate::output::write_whole;
-use crate::policy::{Columns, Ladder, Linear, Mixture, Reading, Weights};
-use crate::read::template::Template;
+use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Reading, Weights};
+use crate::space::Stacked;
+use crate::trainer::{Beam, MOST_WIDTH, MOST_WINDOW, TwoStage};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use std::sync::Arc;
 
 /// What a model file begins with, but for the version.
 const MAGIC: &str = "rollin model ";
@@ -29,15 +26,11 @@ const VERSION: u32 = 1;
 
 /// What a body says of itself.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Header {
+struct Header<H> {
     task: String,
-    template: String,
-    labels: Vec<String>,
-    label_column: usize,
-    order: Order,
-    features: usize,
-    contexts: Vec<usize>,
+    /// What the task says.
+    #[serde(flatten)]
+    own: H,
     policy: Shape,
     columns: Columns,
     /// How many features have weights, for each classifier.
@@ -48,35 +41,91 @@ struct Header {
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 enum Shape {
-    Mixture { reading: Reading, weights: Vec<f64> },
+    Mixture {
+        reading: Reading,
+        weights: Vec<f64>,
+    },
     Ladder,
+    Beam {
+        width: usize,
+    },
+    Stacked {
+        window: usize,
+    },
+    /// The first so many classifiers are those of the first reading.
+    Readings {
+        classifiers: usize,
+        first: Box<Shape>,
+        second: Box<Shape>,
+    },
 }
 
-impl Tagger {
+impl Shape {
+    fn of(policy: &Learned) -> Shape {
+        match policy {
+            Learned::Mixture(mixture) => Shape::Mixture {
+                reading: mixture.reading(),
+                weights: mixture.members().iter().map(|(weight, _)| *weight).collect(),
+            },
+            Learned::Ladder(_) => Shape::Ladder,
+            Learned::Beam(beam) => Shape::Beam { width: beam.width },
+            Learned::Stacked(stages) => Shape::Stacked { window: stages.window },
+            Learned::Readings { first, second } => Shape::Readings {
+                classifiers: first.classifiers().len(),
+                first: Box::new(Shape::of(first)),
+                second: Box::new(Shape::of(second)),
+            },
+        }
+    }
+
+    /// The policy of this shape.
+    fn policy(self, mut classifiers: Vec<Linear>) -> Result<Learned, String> {
+        Ok(match self {
+            Shape::Ladder => Learned::Ladder(Ladder::of(classifiers)),
+            Shape::Beam { width } => match <[Linear; 1]>::try_from(classifiers) {
+                Ok([classifier]) if (1..=MOST_WIDTH).contains(&width) => Learned::Beam(Beam { classifier, width }),
+                _ => return Err("it is no beam with one classifier".into()),
+            },
+            Shape::Stacked { window } => match <[Linear; 2]>::try_from(classifiers) {
+                Ok([first, second]) => {
+                    Learned::Stacked(TwoStage { first: Greedy(first), second: Greedy(second), window })
+                }
+                Err(_) => return Err("it has not two stages".into()),
+            },
+            Shape::Mixture { reading, weights } => {
+                if weights.len() != classifiers.len() {
+                    return Err("it has not as many weights as classifiers".into());
+                }
+                let members = weights.into_iter().zip(classifiers).collect();
+                Learned::Mixture(Mixture::of(members, reading).map_err(|error| error.to_string())?)
+            }
+            Shape::Readings { classifiers: of_first, first, second } => {
+                if of_first == 0 || of_first >= classifiers.len() {
+                    return Err("it has not classifiers for two readings".into());
+                }
+                let rest = classifiers.split_off(of_first);
+                let (first, second) = (first.policy(classifiers)?, second.policy(rest)?);
+                Learned::Readings { first: Box::new(first), second: Box::new(second) }
+            }
+        })
+    }
+}
+
+impl<T: Task> Model<T> {
     /// The model as the bytes of a file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let classifiers = self.policy.classifiers();
         let header = Header {
-            task: "tagging".into(),
-            template: self.encoding.template.text().into(),
-            labels: self.encoding.labels.clone(),
-            label_column: self.encoding.label_column,
-            order: self.encoding.transitions.order(),
-            features: self.encoding.features.len(),
-            contexts: self.encoding.contexts.iter().map(Dictionary::len).collect(),
-            policy: match &self.policy {
-                Learned::Mixture(mixture) => Shape::Mixture {
-                    reading: mixture.reading(),
-                    weights: mixture.members().iter().map(|(weight, _)| *weight).collect(),
-                },
-                Learned::Ladder(_) => Shape::Ladder,
-            },
+            task: T::NAME.into(),
+            own: self.encoding.header(),
+            policy: Shape::of(&self.policy),
             columns: self.columns(),
             rows: classifiers.iter().map(|c| c.weights.len()).collect(),
             about: self.about.clone(),
         };
         let json = serde_json::to_vec(&header).unwrap_or_default();
-        let keys: usize = header.features + header.contexts.iter().sum::<usize>();
+        let arrays = self.encoding.arrays();
+        let keys: usize = arrays.iter().map(|array| array.len()).sum();
         let numbers: usize = classifiers.iter().map(|c| c.weights.len() * (1 + c.weights.columns())).sum();
         let length = json.len() + 1 + 8 * keys + 4 * numbers;
 
@@ -87,8 +136,8 @@ impl Tagger {
         bytes.reserve_exact(length);
         bytes.extend(json);
         bytes.push(b'\n');
-        for dictionary in std::iter::once(&self.encoding.features).chain(&self.encoding.contexts) {
-            bytes.extend(dictionary.keys().iter().flat_map(|key| key.to_le_bytes()));
+        for array in arrays {
+            bytes.extend(array.iter().flat_map(|key| key.to_le_bytes()));
         }
         for classifier in classifiers {
             let weights = &classifier.weights;
@@ -120,7 +169,7 @@ impl Tagger {
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes = std::fs::read(path).map_err(|source| Error::io("read", path, source))?;
-        Tagger::from_bytes(&bytes, path)
+        Model::from_bytes(&bytes, path)
     }
 
     /// Reads a model from the bytes of a file, which `path` names in errors.
@@ -129,83 +178,56 @@ impl Tagger {
     /// When they are no model, of another version, cut short or damaged.
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self> {
         let body = checked_body(bytes, path)?;
-        let broken = |what: &str| damaged(path, &format!("its body is no tagging model: {what}"));
+        let broken = |what: &str| damaged(path, &format!("its body is no {} model: {what}", T::NAME));
         let (json, arrays) = split_line(body).ok_or_else(|| broken("no header"))?;
-        let header: Header = serde_json::from_slice(json).map_err(|error| broken(&error.to_string()))?;
+        // What is not for every task is the task's: it refuses what it does not know.
+        let header: Header<serde_json::Map<String, serde_json::Value>> =
+            serde_json::from_slice(json).map_err(|error| broken(&error.to_string()))?;
+        if header.task != T::NAME {
+            let needed = format!("a {} model is needed", T::NAME);
+            return Err(Error::file(path, format!("a model for {}", header.task), needed));
+        }
+        let own = serde_json::from_value(header.own.into()).map_err(|error| broken(&error.to_string()))?;
         let mut arrays = Arrays { rest: arrays };
+        let encoding = T::restore(own, &mut arrays, path).map_err(|what| broken(&what))?;
 
-        if header.task != "tagging" {
-            return Err(Error::file(path, format!("a model for {}", header.task), "a tagging model is needed"));
-        }
-        // Whatever its template is blamed for later is not to look like a line of the model file.
-        let source = format!("<template in {}>", path.display());
-        let template =
-            Template::parse(&header.template, source.as_ref()).map_err(|error| broken(&error.to_string()))?;
-        let labels = header.labels;
-        if labels.is_empty() || labels.len() > MOST_LABELS || !labels.is_sorted_by(|a, b| a < b) {
-            return Err(broken("its labels are not a sorted list of names"));
-        }
-        let far = template.history().iter().flat_map(|line| &line.labels).any(|back| *back as usize > MAX_ORDER);
-        if far || template.history().len() != header.contexts.len() {
-            return Err(broken("its history lines are not those of its template"));
-        }
-        let mut dictionary = |count: usize| {
-            let keys = arrays.take::<8>(count).ok_or_else(|| broken("it ends within a dictionary"))?;
-            Dictionary::of(keys.iter().map(|key| u64::from_le_bytes(*key)))
-                .ok_or_else(|| broken("a feature stands in it twice"))
+        let (actions, features) = (encoding.actions(), encoding.features());
+        let features = |place: usize| match header.policy {
+            Shape::Stacked { window } if place == 1 => {
+                Some(window).filter(|w| *w <= MOST_WINDOW).map(|w| features + Stacked::<T::Space>::more(actions, w))
+            }
+            _ => Some(features),
         };
-        let features = dictionary(header.features)?;
-        let contexts = header.contexts.iter().map(|count| dictionary(*count)).collect::<Result<Vec<_>>>()?;
-        let transitions = Arc::new(Transitions::new(header.order, &labels));
-        if !transitions.go_on() {
-            return Err(broken("its order of labels leaves none to go on with"));
-        }
-        let mut encoding = Encoding {
-            template,
-            label_column: header.label_column,
-            transitions,
-            features,
-            contexts,
-            history: [].into(),
-            labels,
-        };
-        encoding.number_history().map_err(|error| broken(&error.to_string()))?;
-
         let classifiers = header
             .rows
             .iter()
-            .map(|count| classifier(&encoding, header.columns, *count, &mut arrays).map_err(&broken))
-            .collect::<Result<Vec<_>>>()?;
+            .enumerate()
+            .map(|(place, count)| {
+                let features = features(place).ok_or("its window is too wide")?;
+                classifier((actions, features), header.columns, *count, &mut arrays)
+            })
+            .collect::<Result<Vec<_>, &str>>()
+            .map_err(&broken)?;
         if !arrays.rest.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
         }
-        let policy = match header.policy {
-            Shape::Ladder => Learned::Ladder(Ladder::of(classifiers)),
-            Shape::Mixture { reading, weights } => {
-                if weights.len() != classifiers.len() {
-                    return Err(broken("it has not as many weights as classifiers"));
-                }
-                let members = weights.into_iter().zip(classifiers).collect();
-                Learned::Mixture(Mixture::of(members, reading).map_err(|error| broken(&error.to_string()))?)
-            }
-        };
-        Ok(Tagger { encoding, policy, about: header.about })
+        let policy = header.policy.policy(classifiers).map_err(|what| broken(&what))?;
+        Ok(Model { encoding, policy, about: header.about })
     }
 }
 
 /// Reads one classifier: the numbers of its features, then their rows.
 fn classifier(
-    encoding: &Encoding,
+    (actions, features): (usize, usize),
     columns: Columns,
     count: usize,
     arrays: &mut Arrays<'_>,
 ) -> Result<Linear, &'static str> {
-    let (actions, features) = (encoding.labels.len(), encoding.features());
     let width = columns.count(actions);
     let numbers = arrays.take::<4>(count).ok_or("it ends within a list of features")?;
     let all = width.checked_mul(count).ok_or("a classifier is too large")?;
     let values = arrays.take::<4>(all).ok_or("it ends within a classifier's weights")?;
-    let mut weights = Weights::new(features, width, 1);
+    let mut weights = Weights::new(features, width);
     weights.reserve(count);
     for (i, number) in numbers.iter().enumerate() {
         let feature = u32::from_le_bytes(*number);
@@ -218,12 +240,33 @@ fn classifier(
     Ok(Linear { actions, columns, weights })
 }
 
+/// The name of the task that the model in the bytes of a file is for; `path` names it in errors.
+///
+/// # Errors
+/// When they are no model, of another version, cut short or damaged.
+pub fn task_of(bytes: &[u8], path: &Path) -> Result<String> {
+    #[derive(Deserialize)]
+    struct Named {
+        task: String,
+    }
+    let body = checked_body(bytes, path)?;
+    let json = split_line(body).map_or(body, |(json, _)| json);
+    let named: Named =
+        serde_json::from_slice(json).map_err(|error| damaged(path, &format!("its body is no model: {error}")))?;
+    Ok(named.task)
+}
+
 /// Little-endian numbers, one array after the other.
-struct Arrays<'a> {
+pub struct Arrays<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Arrays<'a> {
+    /// The next `count` numbers of 64 bits; `None` when they are not there.
+    pub fn keys(&mut self, count: usize) -> Option<impl ExactSizeIterator<Item = u64> + 'a> {
+        Some(self.take::<8>(count)?.iter().map(|key| u64::from_le_bytes(*key)))
+    }
+
     /// The next `count` numbers of `N` bytes each; `None` when they are not there.
     fn take<const N: usize>(&mut self, count: usize) -> Option<&'a [[u8; N]]> {
         let (taken, rest) = self.rest.split_at_checked(count.checked_mul(N)?)?;

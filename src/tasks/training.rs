@@ -1,14 +1,15 @@
-//! Training a tagger by name: any trainer with any learner.
+//! Training by name: any trainer with any learner, on any task.
 
-use super::TaggingProblem;
-use super::tagger::Learned;
+use super::model::Learned;
 use crate::error::Result;
 use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Online, Perceptron, Svm, Wap};
 use crate::policy::Linear;
 use crate::roll::Shortcut;
-use crate::space::Features;
+use crate::space::{CostToGo, Features, Problem, Space, StateOf};
 use crate::theory::ledgers::{self, Expected, Extent};
-use crate::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised, Trained};
+use crate::trainer::{
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Run, Searn, Smile, Stacking, Supervised, Trained,
+};
 use serde::{Deserialize, Serialize};
 
 /// A trainer with its settings.
@@ -25,10 +26,22 @@ pub enum Trainer {
     Searn(Searn),
     /// [`Searn`] with the expert's own cost-to-go: [`Shortcut`].
     SearnShortcut(Searn),
+    /// [`Cpi`].
+    Cpi(Cpi),
     /// [`Dagger`] on the aggregate.
     Dagger(Dagger),
     /// [`Dagger`], online.
     DaggerOnline(Dagger),
+    /// [`Aggrevate`] with the expert's own cost-to-go of every action at every step: [`Shortcut`].
+    Aggrevate(Aggrevate),
+    /// [`Lols`] on the aggregate.
+    Lols(Lols),
+    /// [`Lols`], online.
+    LolsOnline(Lols),
+    /// [`Stacking`], both stages supervised.
+    Stacked(Stacking),
+    /// [`EarlyUpdate`], which takes no learner.
+    EarlyUpdate(EarlyUpdate),
 }
 
 /// A learner with its settings.
@@ -52,11 +65,16 @@ pub enum AnyLearner {
 }
 
 impl Trainer {
-    /// Trains on `problem` with `learner`.
+    /// Trains on `problem` with `learner`, which [`Trainer::EarlyUpdate`] leaves alone.
     ///
     /// # Errors
-    /// When a setting is out of its range or the problem has no sentences.
-    pub fn train(&self, problem: &TaggingProblem, learner: &AnyLearner, run: &Run<'_>) -> Result<Trained<Learned>> {
+    /// When a setting is out of its range or the problem has no episodes.
+    pub fn train<P: Problem>(&self, problem: &P, learner: &AnyLearner, run: &Run<'_>) -> Result<Trained<Learned>>
+    where
+        P::Space: Space<View = Features>,
+        P::Expert: CostToGo<P::Space>,
+        StateOf<P>: Clone,
+    {
         match learner {
             AnyLearner::Perceptron(learner) => self.train_with(problem, learner, run),
             AnyLearner::Logistic(learner) => self.train_with(problem, learner, run),
@@ -68,8 +86,11 @@ impl Trainer {
         }
     }
 
-    fn train_with<L>(&self, problem: &TaggingProblem, learner: &L, run: &Run<'_>) -> Result<Trained<Learned>>
+    fn train_with<P: Problem, L>(&self, problem: &P, learner: &L, run: &Run<'_>) -> Result<Trained<Learned>>
     where
+        P::Space: Space<View = Features>,
+        P::Expert: CostToGo<P::Space>,
+        StateOf<P>: Clone,
         L: Online<Features, Classifier = Linear>,
     {
         Ok(match self {
@@ -78,8 +99,14 @@ impl Trainer {
             Trainer::Smile(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Searn(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::SearnShortcut(trainer) => trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from),
+            Trainer::Cpi(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Dagger(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::DaggerOnline(trainer) => trainer.train_online(problem, learner, run)?.map(Learned::from),
+            Trainer::Aggrevate(trainer) => trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from),
+            Trainer::Lols(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::LolsOnline(trainer) => trainer.train_online(problem, learner, run)?.map(Learned::from),
+            Trainer::Stacked(trainer) => trainer.train(problem, learner, run)?.map(Learned::Stacked),
+            Trainer::EarlyUpdate(trainer) => trainer.train(problem, run)?.map(Learned::Beam),
         })
     }
 
@@ -91,13 +118,19 @@ impl Trainer {
             Trainer::Smile(smile) => ledgers::smile(extent, smile),
             Trainer::Searn(searn) => ledgers::searn(extent, searn),
             Trainer::SearnShortcut(searn) => ledgers::searn_shortcut(extent, searn),
+            Trainer::Cpi(cpi) => ledgers::cpi(extent, cpi),
             Trainer::Dagger(dagger) => ledgers::dagger(extent, dagger),
             Trainer::DaggerOnline(dagger) => ledgers::dagger_online(extent, dagger),
+            Trainer::Aggrevate(aggrevate) => ledgers::aggrevate_shortcut(extent, aggrevate),
+            Trainer::Lols(lols) => ledgers::lols(extent, lols),
+            Trainer::LolsOnline(lols) => ledgers::lols_online(extent, lols),
+            Trainer::Stacked(_) => ledgers::stacking(extent),
+            Trainer::EarlyUpdate(early) => ledgers::early_update(extent, early),
         }
     }
 
     /// Whether what it trains is a mixture, which can be read in more than one way.
     pub fn mixes(&self) -> bool {
-        matches!(self, Trainer::Smile(_) | Trainer::Searn(_) | Trainer::SearnShortcut(_))
+        matches!(self, Trainer::Smile(_) | Trainer::Searn(_) | Trainer::SearnShortcut(_) | Trainer::Cpi(_))
     }
 }

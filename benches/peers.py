@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+"""Runs rollin, Vowpal Wabbit and CRFsuite on CoNLL-2000 in one sitting and prints their ratios.
+
+    cargo build --release
+    python3 benches/peers.py --data DIR [--runs 5] [--only train,best,rollout,tag,threads,growth]
+
+DIR holds the shared task's train.txt and test.txt. The peers come from PyPI (pip install vowpalwabbit python-crfsuite);
+what is not installed is skipped, and the table says so. All systems get the same 26 observation features, those of
+grammars/chunking.template. The peers get them written out beforehand; rollin reads the text of the corpus itself.
+
+Every command is run --runs times, all commands of a part in turn. CPU is user and system time of one thread: for
+rollin of the whole process, for the peers without the start of Python and the import. A ratio is the median of the
+ratios run by run. Peak memory is that of the whole process, Python included.
+"""
+import argparse
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(HERE)
+
+
+# ---- the corpus, and the peers' files ----
+
+def sentences(path):
+    sentence = []
+    with open(path, encoding="utf-8") as lines:
+        for line in lines:
+            cells = line.split()
+            if cells:
+                sentence.append(cells)
+            elif sentence:
+                yield sentence
+                sentence = []
+    if sentence:
+        yield sentence
+
+
+def shape(word):
+    for pattern, letter in (("[A-Z]", "X"), ("[a-z]", "x"), (r"\d", "d")):
+        word = re.sub(pattern, letter, word)
+    return word[:8]
+
+
+def features(sentence, at):
+    """The observation features of one token, named after the lines of the template."""
+    def cell(offset, column):
+        place = at + offset
+        if place < 0:
+            return "<s>"
+        if place >= len(sentence):
+            return "</s>"
+        text = sentence[place][column]
+        return text.lower() if column == 0 else text
+
+    word = sentence[at][0]
+    window = range(-2, 3)
+    named = [(f"w{d}", [cell(d, 0)]) for d in window] + [(f"p{d}", [cell(d, 1)]) for d in window]
+    named += [(f"ww{d}", [cell(d, 0), cell(d + 1, 0)]) for d in (-1, 0)]
+    named += [(f"pp{d}", [cell(d, 1), cell(d + 1, 1)]) for d in (-2, -1, 0, 1)]
+    named += [(f"ppp{d}", [cell(d, 1), cell(d + 1, 1), cell(d + 2, 1)]) for d in (-2, -1, 0)]
+    named += [(f"suf{k}", [word[-k:].lower()]) for k in (1, 2, 3)] + [(f"pre{k}", [word[:k].lower()]) for k in (1, 2, 3)]
+    named += [("sh", [shape(word)])]
+    return [name + "=" + "|".join(parts) for name, parts in named]
+
+
+def write_peers_files(data, folder):
+    """The corpora as the two peers read them; returns the labels in the order of Vowpal Wabbit's numbers, from 1."""
+    parts = {name: list(sentences(os.path.join(data, name + ".txt"))) for name in ("train", "test")}
+    labels = sorted({token[2] for part in parts.values() for sentence in part for token in sentence})
+    number = {label: i + 1 for i, label in enumerate(labels)}
+    mark = str.maketrans({":": "%c", "|": "%b", " ": "_"})
+    for name, part in parts.items():
+        with open(f"{folder}/{name}.vw", "w", encoding="utf-8") as vw, open(f"{folder}/{name}.crf", "w", encoding="utf-8") as crf:
+            for sentence in part:
+                for at, token in enumerate(sentence):
+                    found = features(sentence, at)
+                    vw.write(f"{number[token[2]]} | " + " ".join(f.translate(mark) for f in found) + "\n")
+                    crf.write("\t".join([token[2]] + found) + "\n")
+                vw.write("\n")
+                crf.write("\n")
+    return labels, [[token[2] for token in sentence] for sentence in parts["test"]]
+
+
+# ---- chunk F1 of label sequences ----
+
+def chunks(labels):
+    found, start, kind = set(), None, None
+    for at, label in enumerate(list(labels) + ["O"]):
+        prefix, _, name = label.partition("-")
+        if start is not None and (prefix != "I" or name != kind):
+            found.add((start, at, kind))
+            start = None
+        if prefix != "O" and start is None:
+            start, kind = at, name
+    return found
+
+
+def f1(gold, guess):
+    both = right = guessed = 0
+    for expected, got in zip(gold, guess, strict=True):
+        expected, got = chunks(expected), chunks(got)
+        both, right, guessed = both + len(expected & got), right + len(expected), guessed + len(got)
+    return 200 * both / (right + guessed)
+
+
+# ---- running ----
+
+PEER = """
+import json, os, resource, sys
+def cpu():
+    t = os.times()
+    return t.user + t.system
+%s
+print(json.dumps(dict(cpu=cpu() - start, rss=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)))
+"""
+VW = PEER % """
+from vowpalwabbit import pyvw
+start = cpu()
+pyvw.Workspace(arg_list=sys.argv[1:]).finish()
+"""
+CRF_TRAIN = PEER % """
+import pycrfsuite
+trainer = pycrfsuite.Trainer(algorithm=sys.argv[3], verbose=False)
+words, labels = [], []
+for line in open(sys.argv[1], encoding="utf-8"):
+    cells = line.rstrip("\\n").split("\\t")
+    if cells != [""]:
+        labels.append(cells[0])
+        words.append(cells[1:])
+    elif words:
+        trainer.append(words, labels)
+        words, labels = [], []
+trainer.set_params(json.loads(sys.argv[4]))
+start = cpu()
+trainer.train(sys.argv[2])
+"""
+CRF_TAG = PEER % """
+import pycrfsuite
+part, words = [], []
+for line in open(sys.argv[1], encoding="utf-8"):
+    cells = line.rstrip("\\n").split("\\t")
+    if cells != [""]:
+        words.append(cells[1:])
+    elif words:
+        part.append(words)
+        words = []
+tagger = pycrfsuite.Tagger()
+start = cpu()
+tagger.open(sys.argv[2])
+out = [tagger.tag(words) for words in part]
+used = cpu()
+with open(sys.argv[3], "w") as file:
+    file.writelines(" ".join(labels) + "\\n" for labels in out)
+start += cpu() - used
+"""
+
+
+def run(command, stdin=None, stdout=None):
+    """One run of a process: CPU seconds, seconds by the clock, peak MiB."""
+    with open(stdin or os.devnull, "rb") as source, open(stdout or os.devnull, "wb") as target:
+        begin = time.perf_counter()
+        process = subprocess.Popen(command, stdin=source, stdout=target, stderr=subprocess.DEVNULL)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            sys.exit(f"failed with {process.returncode}: {' '.join(command)}")
+        return dict(cpu=used.ru_utime + used.ru_stime, wall=time.perf_counter() - begin, rss=used.ru_maxrss / 1024)
+
+
+def run_peer(script, *arguments):
+    done = subprocess.run([sys.executable, "-c", script, *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True)
+    return json.loads(done.stdout.decode().splitlines()[-1])
+
+
+def in_turn(runs, jobs):
+    """Runs all jobs in turn, `runs` times over."""
+    results = {name: [] for name in jobs}
+    for _ in range(runs):
+        for name, job in jobs.items():
+            results[name].append(job())
+    return results
+
+
+def median(results, what):
+    return statistics.median(result[what] for result in results)
+
+
+def ratio(results, over, what="cpu"):
+    return statistics.median(a[what] / b[what] for a, b in zip(results, over))
+
+
+class Sitting:
+    def __init__(self, options, folder):
+        self.options, self.folder = options, folder
+        self.data = options.data
+        self.rollin = options.rollin
+        self.template = os.path.join(ROOT, "grammars", "chunking.template")
+        self.labels, self.gold = write_peers_files(options.data, folder)
+        self.tokens = {name: sum(len(s) for s in sentences(f"{self.data}/{name}.txt")) for name in ("train", "test")}
+        self.has = {name: self.installed(name) for name in ("vowpalwabbit", "pycrfsuite")}
+        for name, there in self.has.items():
+            if not there:
+                print(f"skipped: all rows of {name}, which is not installed", file=sys.stderr)
+
+    @staticmethod
+    def installed(name):
+        return subprocess.run([sys.executable, "-c", f"import {name}"], capture_output=True).returncode == 0
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    # -- commands --
+
+    def train(self, model, *options, threads=1, data=None):
+        template = [] if "--template" in options else ["--template", self.template]
+        return [self.rollin, "train", "--data", data or f"{self.data}/train.txt", "--model", self.path(model),
+                "--threads", str(threads), "-q", *template, *options]
+
+    def score(self, model):
+        command = [self.rollin, "evaluate", "--model", self.path(model), "--data", f"{self.data}/test.txt", "--json"]
+        report = json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
+        return report["overall"]["f1"]
+
+    def vw_train(self, model, *options):
+        def job():
+            for name in (model, model + ".cache"):
+                if os.path.exists(self.path(name)):
+                    os.remove(self.path(name))
+            return run_peer(VW, "-d", self.path("train.vw"), "-k", "-c", "--cache_file", self.path(model + ".cache"),
+                            "--search", str(len(self.labels)), "--search_task", "sequence", "-b", "22", "--holdout_off",
+                            "-f", self.path(model), "--quiet", *options)
+        return job
+
+    def vw_tag(self, model):
+        return lambda: run_peer(VW, "-d", self.path("test.vw"), "-t", "-i", self.path(model), "-p", self.path("vw.out"), "--quiet")
+
+    def vw_score(self, model):
+        self.vw_tag(model)()
+        with open(self.path("vw.out")) as lines:
+            return f1(self.gold, [[self.labels[int(n) - 1] for n in line.split()] for line in lines])
+
+    def crf_train(self, algorithm, settings):
+        return lambda: run_peer(CRF_TRAIN, self.path("train.crf"), self.path("crf." + algorithm), algorithm, json.dumps(settings))
+
+    def crf_tag(self, algorithm):
+        return lambda: run_peer(CRF_TAG, self.path("test.crf"), self.path("crf." + algorithm), self.path("crf.out"))
+
+    def crf_score(self, algorithm):
+        self.crf_tag(algorithm)()
+        with open(self.path("crf.out")) as lines:
+            return f1(self.gold, [line.split() for line in lines])

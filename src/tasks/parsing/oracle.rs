@@ -1,0 +1,181 @@
+//! The expert who knows the right trees, for whatever configuration is at hand.
+
+use super::space::Parsing;
+use super::state::{Configuration, MOVES, Move, NONE, ROOT, Side, System};
+use crate::seed::Seed;
+use crate::space::{Action, CostToGo, Expert, Space};
+
+/// The expert who knows the right trees. Silent where they are not known.
+///
+/// Arc-hybrid: the dynamic oracle of Goldberg & Nivre (2013), exact: no way on from the configuration at hand gets more words right
+/// than the answer's. Arcs can be reached together whenever each can be reached (arc decomposability), so that a move costs what it makes unreachable.
+/// Of equals the left arc is taken, then the right one.
+///
+/// Arc-standard, with swap or without: the static oracle of Nivre (2009) on the tree that is still possible: a word whose right head is attached already belongs to
+/// the nearest ancestor that is not. Exact as long as no words have been swapped that stood in the right order, and nothing has been
+/// shifted onto two words that had to be swapped or joined; after such a mistake, which cannot be undone, it is the best effort of one
+/// that looks no further than the top two words.
+///
+/// Labels: the right one where it is legal on this side, else the lowest legal one; a word on a wrong head is given its right label too,
+/// though nothing depends on it any more.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GoldTree;
+
+impl Expert<Parsing> for GoldTree {
+    #[inline]
+    fn action(&self, space: &Parsing, state: &Configuration) -> Option<Action> {
+        if space.trees.is_empty() {
+            return None;
+        }
+        if state.pending != NONE {
+            let right = Action(MOVES + space.trees.labels[(state.first + state.pending) as usize]);
+            let legal = space.legal(state);
+            return Some(if legal.contains(right) { right } else { legal.nth(0) });
+        }
+        let gold = Gold { space, state };
+        Some(Action(match space.system {
+            System::ArcHybrid => gold.hybrid(),
+            System::ArcStandard | System::ArcStandardSwap => gold.standard(),
+        } as u32))
+    }
+}
+
+/// Arc-hybrid: exact. Arc-standard: the words that this expert gets wrong from here on, found by letting it go on.
+impl CostToGo<Parsing> for GoldTree {
+    fn costs(&self, space: &Parsing, state: &Configuration, costs: &mut Vec<f64>) {
+        costs.clear();
+        if space.trees.is_empty() {
+            return;
+        }
+        let legal = space.legal(state);
+        if space.system != System::ArcHybrid {
+            costs.extend(legal.iter().map(|action| self.to_the_end(space, state.clone(), action)));
+            return;
+        }
+        let gold = Gold { space, state };
+        let lost = f64::from(gold.unreachable());
+        costs.extend(legal.iter().map(|action| match Move::ALL.get(action.index()) {
+            Some(a) => lost + f64::from(gold.loses(*a)),
+            None => lost + space.wrong_label(state, action),
+        }));
+    }
+}
+
+impl GoldTree {
+    /// What it costs to take `action` and then do as this expert does.
+    fn to_the_end(self, space: &Parsing, mut state: Configuration, action: Action) -> f64 {
+        let nothing = Seed::new(0);
+        let mut total = space.step(&mut state, action, nothing);
+        while !space.legal(&state).is_empty() {
+            let Some(action) = self.action(space, &state) else { break };
+            total += space.step(&mut state, action, nothing);
+        }
+        total
+    }
+}
+
+/// A configuration beside its right tree.
+struct Gold<'a> {
+    space: &'a Parsing,
+    state: &'a Configuration,
+}
+
+impl Gold<'_> {
+    /// The right head of word `w`.
+    #[inline]
+    fn head(&self, w: u32) -> u32 {
+        self.space.trees.heads[(self.state.first + w) as usize]
+    }
+
+    #[inline]
+    fn dependents(&self, w: u32) -> impl Iterator<Item = u32> + '_ {
+        self.space.trees.dependents((self.state.first + w) as usize)
+    }
+
+    /// Of the arc-hybrid moves that lose least, the first of left, right and shift.
+    fn hybrid(&self) -> Move {
+        let legal = self.state.moves(System::ArcHybrid);
+        let moves = [Move::Left, Move::Right, Move::Shift].into_iter().filter(|a| legal >> *a as u32 & 1 == 1);
+        moves.min_by_key(|a| self.loses(*a)).unwrap_or(Move::Shift)
+    }
+
+    /// How many words' right heads an arc-hybrid move makes unreachable (Goldberg & Nivre 2013, section 4.2; the root is what is left last).
+    fn loses(&self, a: Move) -> u32 {
+        let (state, front) = (self.state, self.state.front);
+        let (top, below) = (state.stacked(0), state.stacked(1));
+        let later = |w: &u32| *w >= front;
+        let stacked = |w: u32| w < front && state.alive(w);
+        match a {
+            Move::Shift => {
+                // From now on the word's head is the one below it, or comes later; its dependents come later.
+                let head = self.head(front);
+                let own = if head == ROOT { top != NONE } else { head != top && stacked(head) };
+                u32::from(own) + self.dependents(front).filter(|w| stacked(*w)).count() as u32
+            }
+            _ => {
+                let head = self.head(top);
+                let own = match a {
+                    Move::Left if head == ROOT => state.stack.len() == 1,
+                    Move::Left => head != front && (head == below || later(&head)),
+                    _ => head != ROOT && later(&head),
+                };
+                u32::from(own) + self.dependents(top).filter(later).count() as u32
+            }
+        }
+    }
+
+    /// How many of the words without a head can no longer get their right one, in arc-hybrid.
+    fn unreachable(&self) -> u32 {
+        let (state, front) = (self.state, self.state.front);
+        let lost_on_stack = |(i, &w): (usize, &u32)| match self.head(w) {
+            ROOT => i > 0,
+            head => head < front && (i == 0 || state.stack[i - 1] != head),
+        };
+        let lost_in_buffer = |w: &u32| {
+            let head = self.head(*w);
+            head != ROOT && head < front && !state.alive(head)
+        };
+        let stack = state.stack.iter().enumerate().filter(|at| lost_on_stack(*at)).count();
+        (stack + (front..state.nodes.len() as u32).filter(lost_in_buffer).count()) as u32
+    }
+
+    /// The nearest right ancestor of `w` that can still be its head, or [`ROOT`].
+    fn ancestor(&self, w: u32) -> u32 {
+        self.space.ancestor(self.state, w)
+    }
+
+    /// The move of the static oracle, on the tree that is still possible. Where that is projective no words stand in the wrong order, and
+    /// nothing is ever swapped.
+    fn standard(&self) -> Move {
+        let state = self.state;
+        let (top, below) = (state.stacked(0), state.stacked(1));
+        if below == NONE {
+            return Move::Shift;
+        }
+        let heads = (self.ancestor(below), self.ancestor(top));
+        let open = |w: u32| state.nodes[w as usize].open;
+        // Where the right root is gone, of two words without an ancestor one has to take the other.
+        let headless = heads == (ROOT, ROOT);
+        if open(below) == 0 && heads.0 == top {
+            return Move::Left;
+        }
+        if open(top) == 0 && (heads.1 == below || headless) {
+            return Move::Right;
+        }
+        let order = |w: u32| self.space.trees.order[(state.first + w) as usize];
+        if below < top && order(below) > order(top) {
+            return Move::Swap;
+        }
+        if !state.drained() {
+            return Move::Shift;
+        }
+        // A word swapped wrongly is in the way: the arc goes in at which the fewer words lose their heads.
+        let loses = |w: u32, head: u32, other: u32| open(w) + u32::from(head != other && head == self.head(w));
+        if loses(below, heads.0, top) < loses(top, heads.1, below) { Move::Left } else { Move::Right }
+    }
+}
+
+/// The side on which the right head of a word stands.
+pub(super) fn side(heads: &[u32], w: usize) -> Side {
+    Side::of(heads[w], w as u32)
+}

@@ -1,0 +1,245 @@
+//! The systems and their experts against brute force over everything that can be done, on all trees of few words.
+
+use super::state::{NONE, ROOT};
+use super::tree::{projective, projectivise};
+use super::*;
+use crate::read::conllu;
+use crate::seed::Seed;
+use crate::space::{CostToGo, Episode, Expert, Space};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The heads of all trees of `n` words with one root.
+fn trees(n: usize) -> Vec<Vec<u32>> {
+    let choices = n as u32 + 1;
+    let all = (0..choices.pow(n as u32)).map(|code| {
+        let head = |w: usize| code / choices.pow(w as u32) % choices;
+        (0..n).map(|w| head(w).checked_sub(1).unwrap_or(ROOT)).collect::<Vec<u32>>()
+    });
+    all.filter(|heads| is_tree(heads)).collect()
+}
+
+/// Whether one word is the root and all others come to it from head to head.
+fn is_tree(heads: &[u32]) -> bool {
+    let ends = |mut w: u32| {
+        for _ in 0..heads.len() {
+            match heads[w as usize] {
+                ROOT => return true,
+                head => w = head,
+            }
+        }
+        false
+    };
+    heads.iter().filter(|head| **head == ROOT).count() == 1 && (0..heads.len() as u32).all(ends)
+}
+
+/// Whether no two arcs cross, the root's from the left included: another definition than that of the crate.
+fn crossing_free(heads: &[u32]) -> bool {
+    let arcs: Vec<(usize, usize)> = heads
+        .iter()
+        .enumerate()
+        .map(|(w, head)| {
+            if *head == ROOT { (0, w + 1) } else { ((*head as usize + 1).min(w + 1), (*head as usize + 1).max(w + 1)) }
+        })
+        .collect();
+    arcs.iter().all(|(a, b)| arcs.iter().all(|(c, d)| !(a < c && c < b && b < d)))
+}
+
+/// The trees as a space of `system`; word w has the label w modulo `labels`.
+fn space(trees: &[Vec<u32>], system: System, labels: usize) -> Parsing {
+    let mut text = String::new();
+    for heads in trees {
+        for (w, head) in heads.iter().enumerate() {
+            let (head, label) = if *head == ROOT { (0, "root".into()) } else { (head + 1, format!("l{}", w % labels)) };
+            text += &format!("{}\tw{w}\t_\tX\tY\t_\t{head}\t{label}\t_\t_\n", w + 1);
+        }
+        text.push('\n');
+    }
+    let bank = conllu::parse(text.as_bytes(), "trees".as_ref(), 1).expect("trees");
+    Encoding::learn(&bank, &Settings { system, cutoff: 1 }).expect("a treebank").1
+}
+
+/// Finds the lowest cost from every configuration that can be reached, by trying everything.
+struct Search<'a> {
+    space: &'a Parsing,
+    known: HashMap<Configuration, f64>,
+    /// Configurations in [disorder](disorder), or not in it, and those in which the expert's answer was not best.
+    visited: [usize; 2],
+    worse: [usize; 2],
+}
+
+impl Search<'_> {
+    fn best(&mut self, state: &Configuration) -> f64 {
+        if state.finished() {
+            assert!(self.space.legal(state).is_empty());
+            let arcs: Vec<u32> = state.arcs().map(|(head, _)| head.checked_sub(1).unwrap_or(ROOT)).collect();
+            assert!(is_tree(&arcs), "{arcs:?}");
+            return 0.0;
+        }
+        if let Some(known) = self.known.get(state) {
+            return *known;
+        }
+        let space = self.space;
+        let legal = space.legal(state);
+        assert!(!legal.is_empty(), "a dead end: {state:?}");
+        let costs: Vec<f64> = legal
+            .iter()
+            .map(|action| {
+                let mut next = state.clone();
+                let cost = space.step(&mut next, action, Seed::new(0));
+                cost + self.best(&next)
+            })
+            .collect();
+        let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+        let answer = GoldTree.action(space, state).expect("the trees are known");
+        let place = legal.place(answer).expect("the answer is legal");
+        let which = usize::from(space.system == System::ArcStandardSwap && disorder(space, state));
+        self.visited[which] += 1;
+        self.worse[which] += usize::from(costs[place] > least);
+        if space.system == System::ArcHybrid {
+            let mut found = Vec::new();
+            GoldTree.costs(space, state, &mut found);
+            assert_eq!(found, costs, "{state:?}");
+        }
+        self.known.insert(state.clone(), least);
+        least
+    }
+}
+
+/// Whether words have been swapped that stand in the right order, or something has been shifted onto two words that stand in the wrong one or
+/// that should have been joined: neither can be undone.
+fn disorder(space: &Parsing, state: &Configuration) -> bool {
+    let order = |w: u32| space.trees.order[(state.first + w) as usize];
+    let buffer = (0..).map(|k| state.buffered(k)).take_while(|w| *w != NONE);
+    let line: Vec<u32> = state.stack.iter().copied().chain(buffer).collect();
+    let buried = state.stack.len().saturating_sub(1);
+    let misplaced = (0..line.len())
+        .any(|i| (i + 1..line.len()).any(|j| order(line[i]) > order(line[j]) && (line[i] > line[j] || j < buried)));
+    let head = |w: u32| space.ancestor(state, w);
+    let complete = |w: u32| state.nodes[w as usize].open == 0;
+    let due = |pair: &[u32]| {
+        let (below, top) = (pair[0], pair[1]);
+        let headless = head(below) == ROOT && head(top) == ROOT;
+        head(below) == top && complete(below) || complete(top) && (head(top) == below || headless)
+    };
+    misplaced || state.stack[..buried].windows(2).any(due)
+}
+
+/// Configurations seen, in order and in disorder, and those of each in which the expert was not optimal.
+fn search(trees: &[Vec<u32>], system: System, labels: usize) -> ([usize; 2], [usize; 2]) {
+    let space = space(trees, system, labels);
+    let one = |(index, heads): (usize, &Vec<u32>)| {
+        let mut search = Search { space: &space, known: HashMap::new(), worse: [0; 2], visited: [0; 2] };
+        let start = space.start(Episode { index, seed: Seed::new(0) });
+        assert_eq!(search.best(&start), 0.0, "{heads:?} cannot be made");
+        (search.visited, search.worse)
+    };
+    let add = |a: [usize; 2], b: [usize; 2]| [a[0] + b[0], a[1] + b[1]];
+    let none = || ([0; 2], [0; 2]);
+    trees.par_iter().enumerate().map(one).reduce(none, |a, b| (add(a.0, b.0), add(a.1, b.1)))
+}
+
+#[test]
+fn all_trees_are_counted() {
+    // n^(n-1) rooted trees (Cayley), of which 1, 2, 7, 30, 143 are projective.
+    let counts: Vec<(usize, usize)> =
+        (1..=5).map(|n| (trees(n).len(), trees(n).iter().filter(|heads| projective(heads)).count())).collect();
+    assert_eq!(counts, [(1, 1), (2, 2), (9, 7), (64, 30), (625, 143)]);
+    assert!((1..=5).flat_map(trees).all(|heads| projective(&heads) == crossing_free(&heads)));
+}
+
+/// In every configuration that any moves and labels lead to, on every projective tree: costs-to-go are those of brute force, and so the
+/// answer is optimal; every end is a tree with one root.
+#[test]
+fn the_arc_hybrid_oracle_is_optimal_on_all_trees_of_five_words() {
+    for (n, labels) in [(1, 1), (2, 2), (3, 2), (4, 1), (5, 1)] {
+        let trees: Vec<_> = trees(n).into_iter().filter(|heads| projective(heads)).collect();
+        let (visited, worse) = search(&trees, System::ArcHybrid, labels);
+        assert_eq!((visited[1], worse), (0, [0; 2]), "{n} words");
+    }
+}
+
+/// With swaps the answer is optimal wherever there is no [disorder](disorder), on every tree of up to five words; and in nine of ten
+/// configurations where there is.
+#[test]
+fn the_swap_oracle_is_optimal_where_there_is_no_disorder() {
+    for n in 1..=5 {
+        let (visited, worse) = search(&trees(n), System::ArcStandardSwap, 1);
+        println!("{n} words: {worse:?} of {visited:?}");
+        assert_eq!(worse[0], 0, "{n} words: {visited:?}");
+        assert!(worse[1] * 10 <= visited[1], "{n} words: {worse:?} of {visited:?}");
+    }
+}
+
+/// From the start the static oracle without swaps makes every projective tree too.
+#[test]
+fn the_arc_standard_oracle_makes_all_projective_trees() {
+    let trees: Vec<_> = (1..=5).flat_map(trees).filter(|heads| projective(heads)).collect();
+    let space = space(&trees, System::ArcStandard, 2);
+    for index in 0..trees.len() {
+        let mut state = space.start(Episode { index, seed: Seed::new(0) });
+        let (mut cost, mut steps) = (0.0, 0);
+        while !state.finished() {
+            let answer = GoldTree.action(&space, &state).expect("the trees are known");
+            assert!(space.legal(&state).contains(answer));
+            cost += space.step(&mut state, answer, Seed::new(0));
+            steps += 1;
+        }
+        assert_eq!((cost, Some(steps)), (0.0, space.horizon(index)));
+    }
+}
+
+/// Lifting leaves projective trees alone, makes all others projective, and only ever lifts.
+#[test]
+fn lifted_trees_are_projective() {
+    for heads in (1..=5).flat_map(trees) {
+        let mut lifted = heads.clone();
+        projectivise(&mut lifted);
+        assert!(is_tree(&lifted) && crossing_free(&lifted), "{heads:?} {lifted:?}");
+        assert_eq!(lifted == heads, crossing_free(&heads));
+        for (w, head) in lifted.iter().enumerate() {
+            let mut above = heads[w];
+            while above != *head {
+                above = heads[above as usize];
+            }
+        }
+    }
+    // By hand: 1 <- 3 crosses 2 <- 4, both of length 2; the leftmost goes to the head of 3, which is 4.
+    let mut heads = vec![2, 3, 3, ROOT];
+    projectivise(&mut heads);
+    assert_eq!(heads, [3, 3, 3, ROOT]);
+}
+
+/// Long sentences neither overflow nor take quadratic time where they are projective.
+#[test]
+fn long_sentences() {
+    let n = 50_000;
+    let chain: Vec<u32> = (0..n).map(|w| if w == 0 { ROOT } else { w - 1 }).collect();
+    let turned: Vec<u32> = (0..n).map(|w| if w + 1 == n { ROOT } else { w + 1 }).collect();
+    for system in [System::ArcHybrid, System::ArcStandard, System::ArcStandardSwap] {
+        let space = space(&[chain.clone(), turned.clone()], system, 1);
+        for index in 0..2 {
+            let mut state = space.start(Episode { index, seed: Seed::new(0) });
+            let mut cost = 0.0;
+            while let Some(action) = GoldTree.action(&space, &state).filter(|_| !state.finished()) {
+                cost += space.step(&mut state, action, Seed::new(0));
+            }
+            assert_eq!(cost, 0.0);
+        }
+    }
+}
+
+#[test]
+fn what_is_absent_costs_nothing() {
+    let mut space = space(&trees(3), System::ArcHybrid, 1);
+    space.trees = Default::default();
+    let mut state = space.start(Episode { index: 4, seed: Seed::new(0) });
+    assert_eq!((GoldTree.action(&space, &state), state.pending), (None, NONE));
+    let mut steps = 0;
+    while !space.legal(&state).is_empty() {
+        let action = space.legal(&state).nth(0);
+        assert_eq!(space.step(&mut state, action, Seed::new(0)), 0.0);
+        steps += 1;
+    }
+    assert_eq!(Some(steps), space.horizon(4));
+}

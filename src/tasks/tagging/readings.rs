@@ -1,0 +1,65 @@
+//! Two readings of a sentence: the first from its end, the second from its start, seeing what the first said.
+
+use super::{Encoding, Tagging, TaggingProblem};
+use crate::error::{Error, Result};
+use crate::roll::Performance;
+use crate::seed::{Purpose, Seed};
+use crate::space::{Imitation, Silent, Space};
+use crate::tasks::{Learned, Training};
+use crate::trainer::{Run, Trained};
+use crate::worker::Ledger;
+
+/// Parts of the data: each is read first by a policy that was trained on the others, so that the first reading's mistakes in training are
+/// those that it will make later (Cohen & Carvalho 2005).
+pub const FOLDS: usize = 2;
+
+/// Trains a policy for each reading of `problem` by `train`: any trainer with any learner, told which problem and with what seed.
+///
+/// # Errors
+/// When there are fewer sentences than [`FOLDS`], and whatever `train` returns.
+pub fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Encoding>) -> Result<Trained<Learned>> {
+    let backwards = problem.space.backwards();
+    if backwards.sentences() < FOLDS {
+        let expected = format!("at least {FOLDS} for a template that looks ahead");
+        return Err(Error::argument("sentences", backwards.sentences(), expected));
+    }
+    let seed = |reading: usize| run.seed.child(Purpose::Reading, reading as u64);
+    let unseen = |reading| Run { seed: seed(reading), watch: &|_| {} };
+    let mut ledger = Ledger::default();
+    let mut said = vec![Vec::new(); backwards.sentences()];
+    for fold in 0..FOLDS {
+        let others = backwards.part(|i| i % FOLDS != fold).problem();
+        let trained = train(&others, &unseen(2 + fold))?;
+        if let Learned::Stacked(_) | Learned::Readings { .. } = trained.policy {
+            let expected = "another algorithm: with a template that looks ahead there are two stages already";
+            return Err(Error::argument("algorithm", "stacked", expected));
+        }
+        let part = backwards.part(|i| i % FOLDS == fold);
+        let (done, bill) = perform(&trained.policy, part.clone(), 0, seed(2 + fold));
+        let mut actions = done.actions.into_iter();
+        for (place, i) in (fold..said.len()).step_by(FOLDS).enumerate() {
+            said[i] = actions.by_ref().take(part.horizon(place).unwrap_or(0)).collect();
+        }
+        ledger += trained.ledger;
+        ledger += bill;
+    }
+    let first = train(&backwards.problem(), &unseen(0))?;
+    let told = problem.space.told(&said.concat());
+    let second = train(&told.problem(), &Run { seed: seed(1), ..*run })?;
+    ledger += first.ledger;
+    ledger += second.ledger;
+    let policy = Learned::Readings { first: Box::new(first.policy), second: Box::new(second.policy) };
+    Ok(Trained { policy, ledger, rounds: second.rounds })
+}
+
+/// What `policy` does with the sentences of `space`, the first of which has the number `number` in a longer text: in both readings where
+/// it has two.
+pub fn perform(policy: &Learned, space: Tagging, number: usize, seed: Seed) -> (Performance, Ledger) {
+    if let Learned::Readings { first, second } = policy {
+        let (said, bill) = perform(first, space.backwards(), number, seed.child(Purpose::Reading, 0));
+        let (done, more) = perform(second, space.told(&said.actions), number, seed.child(Purpose::Reading, 1));
+        return (done, bill + more);
+    }
+    let episodes = space.sentences();
+    policy.perform_from(&Imitation { space, expert: Silent, episodes }, number, seed)
+}
