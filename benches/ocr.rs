@@ -68,8 +68,8 @@ fn folds<D: Policy<Reader>>(data: &Letters, setup: &Setup, train: impl Fn(&Reade
         })
         .collect();
     Row {
-        letters: found.iter().map(|(accuracy, _)| 100.0 * accuracy.letters).collect(),
-        words: found.iter().map(|(accuracy, _)| 100.0 * accuracy.words).sum::<f64>() / 10.0,
+        letters: found.iter().map(|(accuracy, _)| 100.0 * accuracy.of_letters()).collect(),
+        words: found.iter().map(|(accuracy, _)| 100.0 * accuracy.of_words()).sum::<f64>() / 10.0,
         labels: found.iter().map(|(_, labels)| labels).sum::<u64>() / 10,
         seconds: start.elapsed().as_secs_f64(),
     }

@@ -1,12 +1,12 @@
 //! Handwritten letters as text: one letter a line, in columns between tabs, the letters of a word one after the other.
 //!
 //! The first line is `word_id position fold letter bits`; then a line has the word's number, the letter's position in the word from 1, the
-//! number of the fold that the whole word is in (0 to 9), the letter (a to z) and its image: 16 rows of 8 pixels, row by row, 128
+//! number of the fold that the whole word is in (0 to 9), the letter (a to z, or `_` where it is not known) and its image: 16 rows of 8 pixels, row by row, 128
 //! characters 0 or 1.
 
 mod words;
 
-pub use words::{COLUMNS, LETTERS, Letters, PIXELS, ROWS};
+pub use words::{COLUMNS, LETTERS, Letters, PIXELS, ROWS, UNKNOWN};
 
 use crate::error::{Error, Place, Result};
 use memchr::memchr;
@@ -83,12 +83,12 @@ impl<'a> Source<'a> {
             None => "the number of a fold, 0 to 9".to_owned(),
         };
         let fold = cursor.field(&fold, verify(number, |n: &u64| known.map_or(*n < 10, |fold| *n == fold)))?;
-        let letter = cursor.field("a letter from a to z", satisfy(|c| c.is_ascii_lowercase()))?;
+        let letter = cursor.field("a letter from a to z, or _", satisfy(|c| c.is_ascii_lowercase() || c == '_'))?;
         let image = cursor.image()?;
         if known.is_none() {
             letters.begin(fold as u8);
         }
-        letters.push((letter as u32 - 'a' as u32).min(LETTERS as u32 - 1), image);
+        letters.push(if letter == '_' { UNKNOWN } else { letter as u32 - 'a' as u32 }, image);
         *word = Some((id, fold, next));
         Ok(())
     }

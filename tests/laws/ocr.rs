@@ -49,7 +49,7 @@ fn what_is_not_of_that_form_is_refused_with_its_place() {
         (line(&format!("2\t2\t0\ta\t{ok}")), "3:3: `2`; expected position 1"),
         (line(&format!("1\t2\t5\ta\t{ok}")), "3:5: `5`; expected fold 0"),
         (line(&format!("2\t1\t10\ta\t{ok}")), "3:5: `10`; expected the number of a fold"),
-        (line(&format!("1\t2\t0\tA\t{ok}")), "3:7: `A`; expected a letter from a to z"),
+        (line(&format!("1\t2\t0\tA\t{ok}")), "3:7: `A`; expected a letter from a to z, or _"),
         (line(&format!("1\t2\t0\tab\t{ok}")), "3:7: `ab`; expected a letter"),
         (line(&format!("1\t2\t0\tb\t{}2", &ok[1..])), "3:136: `2`; expected pixel 128 of 128"),
         (line("1\t2\t0\tb\t01"), "3:11: nothing; expected pixel 3 of 128"),
@@ -166,7 +166,7 @@ fn trainers_learn_it() {
     for see in see {
         let problem = Ocr::new(&made(40), see).unwrap().problem();
         let (run, logistic) = (Run::new(1), Logistic::default());
-        let right = |costs: Vec<f64>| Accuracy::of(&problem.space, &costs).letters;
+        let right = |costs: Vec<f64>| Accuracy::of(&problem.space, &costs).of_letters();
         let supervised = Supervised::default().train(&problem, &logistic, &run).unwrap().policy;
         let dagger = Dagger::default().train(&problem, &logistic, &run).unwrap();
         let smile = Smile::default().train(&problem, &logistic, &run).unwrap().policy;
@@ -209,5 +209,5 @@ fn the_words_of_kassel_and_taskar() {
     let trained = dagger.train_online(&problem, &Logistic::default(), &Run::new(1)).unwrap();
     let test = Ocr::new(&fold(1), see).unwrap().problem();
     let found = Accuracy::of(&test.space, &perform(&test, &trained.policy, Seed::new(2)).0.costs);
-    assert!(found.letters > 0.7 && found.words > 0.15, "{found:?}");
+    assert!(found.of_letters() > 0.7 && found.of_words() > 0.15, "{found:?}");
 }

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 /// How many letters the alphabet has.
 pub const LETTERS: usize = 26;
+/// What stands for a letter that is not known.
+pub const UNKNOWN: u32 = LETTERS as u32;
 /// How many pixels an image has: [`ROWS`] rows of [`COLUMNS`].
 pub const PIXELS: usize = ROWS * COLUMNS;
 /// Rows of an image.
@@ -28,7 +30,7 @@ impl Letters {
         self.ends.push(self.labels.len() as u32);
     }
 
-    /// Appends a letter, 0 for a, to the last word, with its image: the pixel in row r and column c is bit 8 r + c. Nothing where no word has
+    /// Appends a letter, 0 for a or [`UNKNOWN`], to the last word, with its image: the pixel in row r and column c is bit 8 r + c. Nothing where no word has
     /// begun.
     pub fn push(&mut self, label: u32, image: u128) {
         if let Some(end) = self.ends.last_mut() {
@@ -64,7 +66,7 @@ impl Letters {
         self.folds[i]
     }
 
-    /// What each letter is, 0 for a.
+    /// What each letter is, 0 for a or [`UNKNOWN`].
     pub fn labels(&self) -> &[u32] {
         &self.labels
     }
@@ -72,6 +74,20 @@ impl Letters {
     /// The image of each letter.
     pub fn images(&self) -> &[u128] {
         &self.images
+    }
+
+    /// Keeps the first `words` words.
+    pub fn truncate(&mut self, words: usize) {
+        self.split_off(words);
+    }
+
+    /// Keeps the first `words` words and gives the rest.
+    pub fn split_off(&mut self, words: usize) -> Letters {
+        let words = words.min(self.words());
+        let kept = if words == 0 { 0 } else { self.ends[words - 1] };
+        let ends = self.ends.split_off(words).into_iter().map(|end| end - kept).collect();
+        let (labels, images) = (self.labels.split_off(kept as usize), self.images.split_off(kept as usize));
+        Letters { ends, folds: self.folds.split_off(words), labels, images }
     }
 
     /// The words whose folds are `wanted`.

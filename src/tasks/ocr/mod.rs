@@ -21,32 +21,56 @@
 //! let problem = Ocr::new(&letters, Sightings::default())?.problem();
 //! let trained = Dagger::default().train(&problem, &Perceptron::default(), &Run::new(1))?;
 //! let (done, _) = perform(&problem, &trained.policy, Seed::new(2));
-//! assert_eq!(Accuracy::of(&problem.space, &done.costs), Accuracy { letters: 1.0, words: 1.0 });
+//! assert_eq!(Accuracy::of(&problem.space, &done.costs).of_words(), 1.0);
 //! # Ok::<(), rollin::Error>(())
 //! ```
 
 mod space;
+mod task;
 
 pub use space::{LONGEST, Ocr, Scribe, Sightings, Spot};
+pub use task::{Page, Reader};
 
 use serde::Serialize;
 
-/// How much was read right, as shares of 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// How much was read right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Accuracy {
-    /// Of the letters.
-    pub letters: f64,
-    /// Of the words: all letters right.
-    pub words: f64,
+    /// How many letters were read.
+    pub letters: u64,
+    /// How many of them right.
+    pub right_letters: u64,
+    /// How many words were read.
+    pub words: u64,
+    /// How many of them right: all letters.
+    pub right_words: u64,
 }
 
 impl Accuracy {
     /// Of a run over all words of `space` that cost this much, word by word.
     pub fn of(space: &Ocr, costs: &[f64]) -> Self {
-        let right = costs.iter().filter(|cost| **cost == 0.0).count();
-        Accuracy {
-            letters: 1.0 - costs.iter().sum::<f64>() / space.letters() as f64,
-            words: right as f64 / costs.len() as f64,
+        let mut accuracy = Accuracy::default();
+        for (i, cost) in costs.iter().enumerate() {
+            accuracy.add(space.word(i).len() as u64, *cost as u64);
         }
+        accuracy
+    }
+
+    /// Counts a word of `letters` letters, `wrong` of which were read wrong.
+    pub fn add(&mut self, letters: u64, wrong: u64) {
+        self.letters += letters;
+        self.right_letters += letters.saturating_sub(wrong);
+        self.words += 1;
+        self.right_words += u64::from(wrong == 0);
+    }
+
+    /// The share of letters that were read right.
+    pub fn of_letters(&self) -> f64 {
+        self.right_letters as f64 / self.letters as f64
+    }
+
+    /// The share of words that were read right.
+    pub fn of_words(&self) -> f64 {
+        self.right_words as f64 / self.words as f64
     }
 }

@@ -1,10 +1,11 @@
 //! Words of handwritten letters as a space: one letter after the other, left to right.
 
 use crate::error::{Error, Result};
-use crate::read::letters::{COLUMNS, LETTERS, Letters, PIXELS, ROWS};
+use crate::read::letters::{COLUMNS, LETTERS, Letters, PIXELS, ROWS, UNKNOWN};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, CostToGo, Episode, Expert, FeatureTable, Features, Imitation, Space};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// What a policy sees of a letter. The default is the DAgger paper's (Ross, Gordon & Bagnell 2011, section 5.3): the pixels and
 /// the letter before.
@@ -33,10 +34,13 @@ impl Sightings {
     /// Refuses settings out of their range.
     ///
     /// # Errors
-    /// When the patch is not of 1 to 3 pixels, or there are no passes or more than 8.
+    /// When the patch is not of 1 to 3 pixels, the history is longer than [`LONGEST`], or there are no passes or more than 8.
     pub fn validate(&self) -> Result<()> {
         if !(1..=3).contains(&self.patch) {
             return Err(Error::argument("patch", self.patch, "1 to 3"));
+        }
+        if self.history > LONGEST {
+            return Err(Error::argument("history", self.history, format!("at most {LONGEST}")));
         }
         if !(1..=8).contains(&self.passes) {
             return Err(Error::argument("passes", self.passes, "1 to 8"));
@@ -111,8 +115,8 @@ impl Ocr {
             see_image(*image, see.patch, &mut ids);
             rows.push(ids.len());
         }
-        let dynamic = BIAS + 1 + (2..=see.patch).map(patches).sum::<u32>();
-        let table = FeatureTable::from_rows((dynamic + NONE + 1 + HASHED) as usize, rows, ids);
+        let table = FeatureTable::from_rows(features(&see), rows, ids);
+        let dynamic = fixed(&see);
         Ok(Ocr { table, starts, gold: letters.labels().to_vec(), see, dynamic })
     }
 
@@ -122,9 +126,9 @@ impl Ocr {
         Imitation { space: self, expert: Scribe, episodes }
     }
 
-    /// How many letters there are in all words.
-    pub fn letters(&self) -> usize {
-        self.gold.len()
+    /// The numbers of the letters of word `i`.
+    pub fn word(&self, i: usize) -> Range<usize> {
+        self.starts[i] as usize..self.starts[i + 1] as usize
     }
 
     fn gold(&self, state: &Spot) -> u32 {
@@ -175,6 +179,16 @@ fn extend(code: u64, letter: u32) -> u64 {
 fn scatter(code: u64) -> u32 {
     let code = (code ^ code >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     (code >> 40) as u32 % HASHED
+}
+
+/// How many features images have.
+fn fixed(see: &Sightings) -> u32 {
+    BIAS + 1 + (2..=see.patch).map(patches).sum::<u32>()
+}
+
+/// How many features there are, those of the letters said before included.
+pub(super) fn features(see: &Sightings) -> usize {
+    (fixed(see) + NONE + 1 + HASHED) as usize
 }
 
 /// How many features patches of `side` by `side` pixels make.
@@ -255,13 +269,13 @@ impl Space for Ocr {
     }
 }
 
-/// The expert who can read: says what the letter at hand is, whatever was said before.
+/// The expert who can read: says what the letter at hand is, whatever was said before, and nothing where it is not known.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Scribe;
 
 impl Expert<Ocr> for Scribe {
     fn action(&self, space: &Ocr, state: &Spot) -> Option<Action> {
-        Some(Action(space.gold(state)))
+        Some(space.gold(state)).filter(|letter| *letter != UNKNOWN).map(Action)
     }
 }
 
