@@ -1,8 +1,9 @@
 //! `rollin compare`
 
 use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
-use super::options::{LearnerOptions, Reading, TaskName, Verbs, read_corpus, with_task};
+use super::options::{LearnerOptions, Reading, read_corpus};
 use super::progress::Bar;
+use super::tasks::{TaskName, Verbs, with_task};
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
@@ -93,7 +94,7 @@ impl Compare {
     }
 
     fn run_as<T: Verbs>(&self, global: &Global) -> Result<()> {
-        T::refuse(&self.columns)?;
+        self.columns.refuse_others(T::NAME)?;
         let learner = self.learner.learner()?;
         self.trainer.check(&self.algorithms)?;
         let (data, settings) = self.read::<T>()?;

@@ -1,6 +1,7 @@
 //! `rollin evaluate`
 
-use super::options::{ReadingName, Verbs, read_corpus, read_model, with_task};
+use super::options::{ReadingName, read_corpus};
+use super::tasks::{Verbs, read_model, with_task};
 use super::{Global, print, print_json};
 use crate::error::Result;
 use crate::seed::Seed;
@@ -9,7 +10,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Compare a model's answers with the right ones: token accuracy and, where labels are spans, conlleval's measures per type; for trees
-/// UAS and LAS.
+/// UAS and LAS, for handwriting letters and words.
 #[derive(Args)]
 pub struct Evaluate {
     /// The model file

@@ -1,6 +1,6 @@
 //! `rollin inspect`
 
-use super::options::{read_model, with_task};
+use super::tasks::{read_model, with_task};
 use super::train::to_json;
 use super::{Global, print, print_json};
 use crate::error::Result;

@@ -11,6 +11,7 @@ mod inspect;
 mod options;
 mod progress;
 mod tag;
+mod tasks;
 mod theory;
 mod train;
 

@@ -1,12 +1,11 @@
 //! Options that several commands share.
 
-use super::compare::Both;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
+use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
 use crate::read::template::Template;
 use crate::tasks::tagging::{LabelColumn, Order};
-use crate::tasks::{AnyLearner, Data, Task, parsing, tagging, task_of};
+use crate::tasks::{AnyLearner, Data, Task};
 use clap::{Args, ValueEnum};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -22,124 +21,8 @@ pub fn read_corpus<T: Task>(path: &Path) -> Result<T::Data> {
 }
 
 /// The bytes of a file.
-fn read(path: &Path) -> Result<Vec<u8>> {
+pub fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|source| Error::io("read", path, source))
-}
-
-/// What is learned.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum TaskName {
-    /// One label for every token
-    #[default]
-    Tagging,
-    /// Dependency trees, from CoNLL-U
-    Parsing,
-}
-
-/// Runs `$body` with `$T` standing for the task of this name.
-macro_rules! with_task {
-    ($name:expr, $T:ident => $body:expr) => {
-        match $name {
-            $crate::cli::options::TaskName::Tagging => {
-                type $T = $crate::tasks::tagging::Encoding;
-                $body
-            }
-            $crate::cli::options::TaskName::Parsing => {
-                type $T = $crate::tasks::parsing::Encoding;
-                $body
-            }
-        }
-    };
-}
-pub(crate) use with_task;
-
-/// The bytes of a model file, and the task it is for.
-pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
-    let bytes = read(path)?;
-    let name = task_of(&bytes, path)?;
-    match TaskName::from_str(&name, false) {
-        Ok(task) => Ok((bytes, task)),
-        Err(_) => {
-            let known: Vec<String> = TaskName::value_variants().iter().filter_map(value_name).collect();
-            Err(Error::file(path, format!("a model for {name}"), format!("this program knows {}", known.join(", "))))
-        }
-    }
-}
-
-/// The name of a value on the command line.
-fn value_name(value: &impl ValueEnum) -> Option<String> {
-    Some(value.to_possible_value()?.get_name().to_owned())
-}
-
-/// What the command line adds to a task.
-pub trait Verbs: Task {
-    /// The settings that `options` ask for, for what `data` is.
-    fn settings(options: &Reading, data: &Self::Data) -> Result<Self::Settings>;
-
-    /// Refuses options of other tasks.
-    fn refuse(options: &Reading) -> Result<()>;
-
-    /// Looks for the right labels in this column.
-    fn set_column(&mut self, column: usize) -> Result<()>;
-
-    /// What to compare on where no data are given.
-    fn embedded() -> Option<Result<Both<Self::Data>>>;
-}
-
-/// Refuses the first of these options that is given.
-fn refuse(options: &[(&'static str, bool)], task: &str) -> Result<()> {
-    match options.iter().find(|(_, given)| *given) {
-        Some((name, _)) => Err(Error::argument(name, "given", format!("left out: {task} has no such setting"))),
-        None => Ok(()),
-    }
-}
-
-impl Verbs for tagging::Encoding {
-    fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
-        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
-    }
-
-    fn refuse(options: &Reading) -> Result<()> {
-        refuse(&[("--system", options.system.is_some()), ("--cutoff", options.cutoff.is_some())], Self::NAME)
-    }
-
-    fn set_column(&mut self, column: usize) -> Result<()> {
-        self.label_column = column;
-        Ok(())
-    }
-
-    fn embedded() -> Option<Result<Both<Corpus>>> {
-        Some(super::compare::embedded())
-    }
-}
-
-impl Verbs for parsing::Encoding {
-    fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {
-        let default = parsing::Settings::default();
-        let system = options.system.map_or(default.system, |name| match name {
-            SystemName::Hybrid => parsing::System::ArcHybrid,
-            SystemName::Standard => parsing::System::ArcStandard,
-            SystemName::Swap => parsing::System::ArcStandardSwap,
-        });
-        Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
-    }
-
-    fn refuse(options: &Reading) -> Result<()> {
-        let given = [
-            ("--template", options.template.is_some()),
-            ("--label-column", options.label_column.is_some()),
-            ("--order", options.order.is_some()),
-        ];
-        refuse(&given, Self::NAME)
-    }
-
-    fn set_column(&mut self, _: usize) -> Result<()> {
-        refuse(&[("--label-column", true)], Self::NAME)
-    }
-
-    fn embedded() -> Option<Result<Both<Self::Data>>> {
-        None
-    }
 }
 
 /// How a corpus is understood.
@@ -164,6 +47,18 @@ pub struct Reading {
     /// Leave out features of a parser seen fewer times [default: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     pub cutoff: Option<u8>,
+    /// The side of the largest square patch of pixels that a reader of letters sees, 1 to 3 [default: 1]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub patch: Option<u8>,
+    /// How many of the letters before it sees, at most 25 [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=25))]
+    pub history: Option<u8>,
+    /// Let it see how many letters are still to come, too
+    #[arg(long)]
+    pub rest: bool,
+    /// How often it goes over a word, 1 to 8 [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    pub times: Option<u8>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -188,6 +83,25 @@ pub enum OrderName {
 }
 
 impl Reading {
+    /// Refuses options of other tasks than `task`.
+    pub fn refuse_others(&self, task: &str) -> Result<()> {
+        let options = [
+            ("--template", "tagging", self.template.is_some()),
+            ("--label-column", "tagging", self.label_column.is_some()),
+            ("--order", "tagging", self.order.is_some()),
+            ("--system", "parsing", self.system.is_some()),
+            ("--cutoff", "parsing", self.cutoff.is_some()),
+            ("--patch", "ocr", self.patch.is_some()),
+            ("--history", "ocr", self.history.is_some()),
+            ("--rest", "ocr", self.rest),
+            ("--times", "ocr", self.times.is_some()),
+        ];
+        match options.iter().find(|(_, of, given)| *given && *of != task) {
+            Some((name, ..)) => Err(no_such_setting(name, task)),
+            None => Ok(()),
+        }
+    }
+
     /// Reads the corpus at `path` as far as it is to be used.
     pub fn corpus<T: Task>(&self, path: &Path) -> Result<T::Data> {
         let mut corpus = read_corpus::<T>(path)?;
@@ -229,6 +143,11 @@ impl Reading {
     }
 }
 
+/// The option `name` is given though `what` has no such thing.
+pub fn no_such_setting(name: &'static str, what: &str) -> Error {
+    Error::argument(name, "given", format!("left out: {what} has no such setting"))
+}
+
 /// A learner's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LearnerName {
@@ -242,6 +161,16 @@ pub enum LearnerName {
     Wap,
     /// Filter tree: a tournament of actions (cost-sensitive)
     FilterTree,
+    /// Support vector machines for all pairs (cost-sensitive)
+    Svm,
+    /// The multiclass support vector machine (cost-sensitive)
+    CrammerSinger,
+}
+
+impl LearnerName {
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
 }
 
 /// A learner with its settings.
@@ -251,18 +180,22 @@ pub struct LearnerOptions {
     /// What fits a classifier to the expert's answers; not for early-update, which learns by itself
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits; dagger-online and lols-online make one a round whatever is given [default: 5, wap 3]
+    /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online and lols-online make one a
+    /// round whatever is given [default: 5, wap 3, svm 100, crammer-singer 50]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
-    /// AdaGrad's rate, for every learner but the perceptron [default: 0.1, wap and filter-tree 0.2]
+    /// AdaGrad's rate, for every learner but perceptron, svm and crammer-singer [default: 0.1, wap and filter-tree 0.2]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     rate: Option<f32>,
-    /// L2 penalty per example, for every learner but the perceptron [default: 0]
+    /// L2 penalty per example, for every learner but perceptron, svm and crammer-singer [default: 0]
     #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
     /// Probability of a mistake below which logistic leaves an example alone: more is faster [default: 0.05]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     tolerance: Option<f32>,
+    /// What a margin error costs svm and crammer-singer: C [default: 0.1]
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    cost: Option<f32>,
 }
 
 impl LearnerOptions {
@@ -287,17 +220,14 @@ impl LearnerOptions {
         if let Some(tolerance) = self.tolerance.filter(|tolerance| !(*tolerance >= 0.0 && *tolerance < 1.0)) {
             return Err(Error::argument("--tolerance", tolerance, "at least 0 and below 1"));
         }
-        if self.tolerance.is_some() && self.learner != LearnerName::Logistic {
-            return Err(Error::argument("--tolerance", "given", "left out: only logistic has this setting"));
+        if let Some(cost) = self.cost.filter(|cost| !(*cost > 0.0 && cost.is_finite())) {
+            return Err(Error::argument("--cost", cost, "above 0"));
         }
+        self.refuse_others()?;
         let given =
             |passes, rate, l2| (self.passes.unwrap_or(passes), self.rate.unwrap_or(rate), self.l2.unwrap_or(l2));
         Ok(match self.learner {
             LearnerName::Perceptron => {
-                let named = [("--rate", self.rate.is_some()), ("--l2", self.l2.is_some())];
-                if let Some((name, _)) = named.iter().find(|(_, given)| *given) {
-                    return Err(Error::argument(name, "given", "left out: the perceptron has no such setting"));
-                }
                 AnyLearner::Perceptron(Perceptron { passes: self.passes.unwrap_or(Perceptron::default().passes) })
             }
             LearnerName::Logistic => {
@@ -321,7 +251,33 @@ impl LearnerOptions {
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
                 AnyLearner::Wap(Wap { passes, rate, l2 })
             }
+            LearnerName::Svm => {
+                let default = Svm::default();
+                let (passes, cost) = (self.passes.unwrap_or(default.passes), self.cost.unwrap_or(default.cost));
+                AnyLearner::Svm(Svm { passes, cost, ..default })
+            }
+            LearnerName::CrammerSinger => {
+                let default = CrammerSinger::default();
+                let (passes, cost) = (self.passes.unwrap_or(default.passes), self.cost.unwrap_or(default.cost));
+                AnyLearner::CrammerSinger(CrammerSinger { passes, cost, ..default })
+            }
         })
+    }
+
+    /// Refuses a setting that the learner does not have.
+    fn refuse_others(&self) -> Result<()> {
+        let margin = matches!(self.learner, LearnerName::Svm | LearnerName::CrammerSinger);
+        let gradient = !margin && self.learner != LearnerName::Perceptron;
+        let settings = [
+            ("--rate", self.rate.is_some(), gradient),
+            ("--l2", self.l2.is_some(), gradient),
+            ("--tolerance", self.tolerance.is_some(), self.learner == LearnerName::Logistic),
+            ("--cost", self.cost.is_some(), margin),
+        ];
+        match settings.iter().find(|(_, given, has)| *given && !has) {
+            Some((name, ..)) => Err(no_such_setting(name, &self.learner.name())),
+            None => Ok(()),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! `rollin tag`
 
-use super::options::{ReadingName, read_model, with_task};
+use super::options::ReadingName;
+use super::tasks::{read_model, with_task};
 use super::{Global, closed};
 use crate::error::{Error, Result};
 use crate::read::conll::{Block, Blocks};
@@ -11,10 +12,11 @@ use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Tag or parse standard input. A tagger prints every line again with the label as a further last column; blank lines are kept.
+/// Tag, parse or read standard input. A tagger prints every line again with the label as a further last column; blank lines are kept.
 ///
 /// Its input has one token a line, a blank line after each sentence, and the columns that the model was trained on. The column of labels
-/// may be there or not. A parser reads CoNLL-U and prints it again with HEAD and DEPREL filled in; all else is kept.
+/// may be there or not. A parser reads CoNLL-U and prints it again with HEAD and DEPREL filled in; all else is kept. A reader of
+/// handwriting prints every line again with the letter as a further last column; where the letter is not known, the input has `_`.
 #[derive(Args)]
 pub struct Tag {
     /// The model file

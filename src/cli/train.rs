@@ -1,8 +1,9 @@
 //! `rollin train`
 
 use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
-use super::options::{LearnerOptions, Reading, ReadingName, TaskName, Verbs, with_task};
+use super::options::{LearnerOptions, Reading, ReadingName};
 use super::progress::Bar;
+use super::tasks::{TaskName, Verbs, with_task};
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::check_writable;
@@ -13,15 +14,15 @@ use crate::trainer::{Progress, Run};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Train a tagger or a parser and write its model file.
+/// Train a tagger, a parser or a reader of handwriting and write its model file.
 #[derive(Args)]
 #[command(after_help = RECIPES)]
 pub struct Train {
     /// What is learned
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     task: TaskName,
-    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence; for parsing CoNLL-U (- for
-    /// standard input)
+    /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence; for parsing CoNLL-U, for
+    /// ocr a line a letter, with columns word_id, position, fold, letter and bits between tabs (- for standard input)
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
     /// The model file to write
@@ -47,7 +48,7 @@ impl Train {
     }
 
     fn run_as<T: Verbs>(&self, global: &Global) -> Result<()> {
-        T::refuse(&self.columns)?;
+        self.columns.refuse_others(T::NAME)?;
         self.trainer.check(&[self.algorithm])?;
         let trainer = self.trainer.trainer(self.algorithm);
         let learner = self.learner.learner()?;

@@ -82,6 +82,11 @@ impl<V: View> Examples<V> {
         self.sets.get(self.legal[i])
     }
 
+    /// Whether the same actions were legal in examples `i` and `j`.
+    pub(super) fn same_legal(&self, i: usize, j: usize) -> bool {
+        self.legal[i] == self.legal[j]
+    }
+
     /// What is to be learned from example `i`.
     #[inline]
     pub fn target(&self, i: usize) -> Target<'_> {

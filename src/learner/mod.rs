@@ -1,28 +1,43 @@
 //! Learners: from examples to classifiers.
 //!
-//! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`]) learn labels, cost-sensitive ones ([`Csoaa`], [`Wap`], [`FilterTree`])
-//! costs. The two
-//! reductions of [`reduce`] let each learn from the other's examples, so every trainer runs with every learner.
+//! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`], [`Net`], and [`Ridge`] for actions that are values) learn labels, cost-sensitive
+//! ones ([`Csoaa`], [`Wap`], [`FilterTree`], [`Svm`], [`CrammerSinger`], [`CostTree`]) costs. The two reductions of [`reduce`] let each learn from the
+//! other's examples, so every trainer runs with every learner; those that learn example by example ([`Online`]) also while acting.
+//! [`calibrate`] makes probabilities of a classifier's scores.
 //!
 //! # Writing one
 //! A learner that is a loss on linear scores is a [`Rule`]: one file with the loss's gradient, and the rest (passes, warm starts,
 //! averaging, learning while acting) comes with it. Anything else implements [`Learner`] itself.
 
+mod calibrate;
+mod costtree;
+mod crammer;
 mod csoaa;
+mod dual;
 mod examples;
 mod linear;
 mod logistic;
+mod net;
 mod perceptron;
 pub mod reduce;
+mod ridge;
+mod svm;
 mod tabular;
 mod tree;
 mod wap;
 
+pub use calibrate::{Reliability, calibrate};
+pub use costtree::CostTree;
+pub use crammer::{CrammerCourse, CrammerSinger};
 pub use csoaa::Csoaa;
+pub use dual::Steps;
 pub use examples::{Examples, Target};
 pub use linear::{Course, Descent, Lesson, Rule};
 pub use logistic::Logistic;
+pub use net::{Net, NetCourse, Step};
 pub use perceptron::Perceptron;
+pub use ridge::Ridge;
+pub use svm::{Svm, SvmCourse};
 pub use tabular::Tabular;
 pub use tree::FilterTree;
 pub use wap::Wap;

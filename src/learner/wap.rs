@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 /// cheaper, with the pair's weight as importance; the action that beats most others is taken. A cost-sensitive learner.
 ///
 /// The weight of a pair is |v_i - v_j|, where v_i is the integral from the least cost to c_i of 1 over the number of actions that cost
-/// no more than t, dt: by this weighting the cost-sensitive regret is at most twice the weighted binary regret, whatever
-/// the number of actions.
+/// no more than t, dt: by this weighting the cost above each example's cheapest is at most twice the weighted binary loss, whatever the number of
+/// actions. For labels the same holds of the regrets; for costs in general it does not, and pairs that are all decided as is best for them may
+/// choose an action that is not (`tests/laws/regrets.rs` shows both).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wap {
@@ -34,7 +35,7 @@ const SURE: f32 = 1e-4;
 
 impl Wap {
     /// v of every cost, in place. Ties keep equal values.
-    fn integrate(costs: &mut [f32]) {
+    pub(super) fn integrate(costs: &mut [f32]) {
         let mut order: Vec<usize> = (0..costs.len()).collect();
         order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
         let (mut value, mut last) = (0.0, f32::NAN);

@@ -1,14 +1,25 @@
 //! Those who act: the expert, a [`Classifier`] on its own ([`Greedy`]), a stochastic [`Mixture`] of classifiers and expert, a
 //! [`Ladder`] with one classifier per step.
 
+mod calibrated;
 mod ladder;
 mod linear;
 mod mixture;
+mod neural;
+mod tree;
+mod value;
 
+pub use calibrated::Calibrated;
 pub use ladder::Ladder;
 pub use linear::{Columns, Linear, LinearMemory, Weights};
 pub(crate) use linear::{tournament, votes};
 pub use mixture::{Member, Mixture, MixtureMemory, Reading};
+pub(crate) use neural::forward;
+pub use neural::{Neural, NeuralMemory};
+pub(crate) use tree::Node;
+pub use tree::Tree;
+pub(crate) use value::value_of;
+pub use value::{Valued, ValuedMemory};
 
 use crate::space::{Action, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;

@@ -5,6 +5,7 @@
 
 mod file;
 mod model;
+pub mod ocr;
 pub mod parsing;
 pub mod tabular;
 pub mod tagging;
@@ -15,7 +16,7 @@ pub use model::{About, Learned, Model};
 pub use training::{AnyLearner, Trainer};
 
 use crate::error::Result;
-use crate::read::conll::Block;
+use crate::read::conll::{Block, Line};
 use crate::seed::Seed;
 use crate::space::{Action, CostToGo, Features, Imitation, Silent, Space};
 use crate::trainer::{Run, Trained};
@@ -178,4 +179,18 @@ pub struct Measure {
     pub name: &'static str,
     /// In percent; none where it means nothing.
     pub percent: Option<f64>,
+}
+
+/// Writes one line and, where there is one, a `label` behind a separator like that of the line.
+fn write_line(out: &mut impl Write, Line { text, end }: Line<'_>, label: Option<&str>) -> io::Result<()> {
+    out.write_all(text)?;
+    if let Some(label) = label {
+        out.write_all(if memchr::memchr(b'\t', text).is_some() { b"\t" } else { b" " })?;
+        out.write_all(label.as_bytes())?;
+    }
+    out.write_all(end)?;
+    if !end.ends_with(b"\n") {
+        out.write_all(b"\n")?;
+    }
+    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::model::Learned;
 use crate::error::Result;
-use crate::learner::{Csoaa, FilterTree, Logistic, Online, Perceptron, Wap};
+use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Online, Perceptron, Svm, Wap};
 use crate::policy::Linear;
 use crate::roll::Shortcut;
 use crate::space::{CostToGo, Features, Problem, Space, StateOf};
@@ -58,6 +58,10 @@ pub enum AnyLearner {
     Wap(Wap),
     /// [`FilterTree`].
     FilterTree(FilterTree),
+    /// [`Svm`].
+    Svm(Svm),
+    /// [`CrammerSinger`].
+    CrammerSinger(CrammerSinger),
 }
 
 impl Trainer {
@@ -77,6 +81,8 @@ impl Trainer {
             AnyLearner::Csoaa(learner) => self.train_with(problem, learner, run),
             AnyLearner::Wap(learner) => self.train_with(problem, learner, run),
             AnyLearner::FilterTree(learner) => self.train_with(problem, learner, run),
+            AnyLearner::Svm(learner) => self.train_with(problem, learner, run),
+            AnyLearner::CrammerSinger(learner) => self.train_with(problem, learner, run),
         }
     }
 

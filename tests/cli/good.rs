@@ -21,7 +21,7 @@ const ALGORITHMS: [&str; 13] = [
 
 /// Those who find costs by rolling out: the expert acts for them and gives no label.
 const ROLL_OUTS: [&str; 4] = ["searn", "cpi", "lols", "lols-online"];
-const LEARNERS: [&str; 5] = ["perceptron", "logistic", "csoaa", "wap", "filter-tree"];
+const LEARNERS: [&str; 7] = ["perceptron", "logistic", "csoaa", "wap", "filter-tree", "svm", "crammer-singer"];
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")

@@ -3,6 +3,7 @@
 
 mod good;
 mod large;
+mod ocr;
 mod refusals;
 
 use assert_cmd::Command;

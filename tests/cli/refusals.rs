@@ -222,10 +222,7 @@ fn settings_out_of_range() {
             "searn-shortcut --rollouts 2",
             "--rollouts is given, but must be left out: searn-shortcut has no such setting",
         ),
-        (
-            "dagger --learner perceptron --l2 1",
-            "--l2 is given, but must be left out: the perceptron has no such setting",
-        ),
+        ("dagger --learner perceptron --l2 1", "--l2 is given, but must be left out: perceptron has no such setting"),
     ];
     for (settings, message) in cases {
         folder.says(&format!("train --data t --model m --algorithm {settings}"), message);
@@ -348,7 +345,7 @@ fn a_model_is_blamed_for_its_own_template() {
         assert!(message.starts_with("error: m: the model is damaged: "), "{new}: {message}");
     }
     folder.put("m", forged(&good, "\"tagging\"", "\"weaving\""));
-    folder.says("inspect m", "m: a model for weaving; this program knows tagging, parsing");
+    folder.says("inspect m", "m: a model for weaving; this program knows tagging, parsing, ocr");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::RngSeed;
 use rollin::corpus::Corpus;
-use rollin::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
+use rollin::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
 use rollin::space::Sight;
@@ -158,6 +158,8 @@ pub fn learners() -> Vec<AnyLearner> {
         AnyLearner::Csoaa(Csoaa::default()),
         AnyLearner::Wap(Wap::default()),
         AnyLearner::FilterTree(FilterTree::default()),
+        AnyLearner::Svm(Svm::default()),
+        AnyLearner::CrammerSinger(CrammerSinger::default()),
     ]
 }
 

@@ -1,7 +1,9 @@
 //! Learners: first steps worked by hand, and every trainer with every learner on a task that is easy.
 
 use crate::common::{Labels, learners, problem, sample, tokens, trainers};
-use rollin::learner::{Csoaa, Examples, Learner, Lesson, Logistic, Online, Perceptron, Rule, Setting, Target, Wap};
+use rollin::learner::{
+    CrammerSinger, Csoaa, Examples, Learner, Lesson, Logistic, Net, Online, Perceptron, Rule, Setting, Svm, Target, Wap,
+};
 use rollin::policy::{Classifier, Columns, Linear};
 use rollin::space::Sight;
 use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Space};
@@ -205,6 +207,48 @@ fn learners_learn_and_start_warm() {
     check(&Logistic::default());
     check(&Csoaa::default());
     check(&Wap::default());
+    check(&Svm::default());
+    check(&CrammerSinger::default());
+}
+
+/// Learning from examples that were kept is learning from them as they come up.
+#[test]
+fn studying_is_learning_while_acting() {
+    fn check<L: Online<Features, Classifier: PartialEq>>(learner: &L) -> (L::Course, L::Classifier) {
+        let mut school = School::new(3);
+        for i in 0..40u64 {
+            let draw = |t: u64| Seed::new(i).child(Purpose::Step, t).unit();
+            let features: &[u32] = [&[0][..], &[1], &[0, 1]][(3.0 * draw(0)) as usize];
+            let costs = [1, 2, 3].map(|t| draw(t) as f32);
+            let label = Target::Label(Action((3.0 * draw(4)) as u32));
+            school = school.show(features, if i % 2 == 0 { label } else { Target::Costs(&costs) });
+        }
+        let [mut acting, mut studying] = [0, 1].map(|_| learner.begin(school.setting(), None));
+        school.lessons(learner, &mut acting, &(0..40).collect::<Vec<_>>());
+        learner.study(&mut studying, school.setting(), &school.examples);
+        let learned = learner.finish(acting);
+        let empty = learner.finish(learner.begin(school.setting(), None));
+        assert!(learned != empty && learned == learner.finish(studying));
+        let mut course = learner.begin(school.setting(), None);
+        learner.study(&mut course, school.setting(), &school.examples);
+        (course, learned)
+    }
+    /// Where nothing is averaged, a course scores as what it ends with.
+    fn same<C: Classifier<Features>, D: Classifier<Features>>((course, learned): (C, D)) {
+        let table = FeatureTable::new(2);
+        for dynamic in [vec![], vec![0], vec![1], vec![0, 1]] {
+            let view = Features { row: NO_ROW, dynamic };
+            let sight = Sight { shared: &table, view: &view, legal: Actions::All(3) };
+            let (mut before, mut after) = Default::default();
+            assert_eq!(course.scores(&sight, &mut before), learned.scores(&sight, &mut after));
+        }
+    }
+    check(&Perceptron::default());
+    check(&Logistic::default());
+    check(&Wap::default());
+    same(check(&Svm::default()));
+    same(check(&CrammerSinger::default()));
+    same(check(&Net { units: 5, batch: 8, ..Net::default() }));
 }
 
 /// A word says its label, but for one, whose label is that of the word before: the expert is always imitable.

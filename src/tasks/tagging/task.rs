@@ -7,12 +7,12 @@ use super::space::{Gold, MAX_ORDER, Tagging};
 use super::transitions::{Order, Transitions};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::read::conll::{self, Block, Line};
+use crate::read::conll::{self, Block};
 use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Task, Training};
+use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Task, Training, write_line};
 use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -264,20 +264,6 @@ fn even((expected, line): (usize, usize), block: &Corpus) -> Result<()> {
         place.column -= 1;
     }
     Err(Error::data(place, columns(found), format!("{} as on line {line}", columns(expected))))
-}
-
-/// Writes one line and, when it is a token's, its label behind a separator like that of the line.
-fn write_line(out: &mut impl Write, Line { text, end }: Line<'_>, label: Option<&str>) -> io::Result<()> {
-    out.write_all(text)?;
-    if let Some(label) = label {
-        out.write_all(if memchr::memchr(b'\t', text).is_some() { b"\t" } else { b" " })?;
-        out.write_all(label.as_bytes())?;
-    }
-    out.write_all(end)?;
-    if !end.ends_with(b"\n") {
-        out.write_all(b"\n")?;
-    }
-    Ok(())
 }
 
 impl Data for Corpus {

@@ -1,0 +1,128 @@
+//! The tasks as the command line knows them.
+
+use super::compare::Both;
+use super::options::{Reading, SystemName, no_such_setting, read};
+use crate::corpus::Corpus;
+use crate::error::{Error, Result};
+use crate::tasks::{Task, ocr, parsing, tagging, task_of};
+use clap::ValueEnum;
+use std::path::Path;
+
+/// What is learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TaskName {
+    /// One label for every token
+    #[default]
+    Tagging,
+    /// Dependency trees, from CoNLL-U
+    Parsing,
+    /// Handwritten words, letter by letter
+    Ocr,
+}
+
+/// Runs `$body` with `$T` standing for the task of this name.
+macro_rules! with_task {
+    ($name:expr, $T:ident => $body:expr) => {
+        match $name {
+            $crate::cli::tasks::TaskName::Tagging => {
+                type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Parsing => {
+                type $T = $crate::tasks::parsing::Encoding;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Ocr => {
+                type $T = $crate::tasks::ocr::Sightings;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_task;
+
+/// The bytes of a model file, and the task it is for.
+pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
+    let bytes = read(path)?;
+    let name = task_of(&bytes, path)?;
+    match TaskName::from_str(&name, false) {
+        Ok(task) => Ok((bytes, task)),
+        Err(_) => {
+            let known: Vec<String> = TaskName::value_variants().iter().filter_map(value_name).collect();
+            Err(Error::file(path, format!("a model for {name}"), format!("this program knows {}", known.join(", "))))
+        }
+    }
+}
+
+/// The name of a value on the command line.
+fn value_name(value: &impl ValueEnum) -> Option<String> {
+    Some(value.to_possible_value()?.get_name().to_owned())
+}
+
+/// What the command line adds to a task.
+pub trait Verbs: Task {
+    /// The settings that `options` ask for, for what `data` is.
+    fn settings(options: &Reading, data: &Self::Data) -> Result<Self::Settings>;
+
+    /// Looks for the right labels in this column.
+    fn set_column(&mut self, column: usize) -> Result<()>;
+
+    /// What to compare on where no data are given.
+    fn embedded() -> Option<Result<Both<Self::Data>>>;
+}
+
+impl Verbs for tagging::Encoding {
+    fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
+        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
+    }
+
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        self.label_column = column;
+        Ok(())
+    }
+
+    fn embedded() -> Option<Result<Both<Corpus>>> {
+        Some(super::compare::embedded())
+    }
+}
+
+impl Verbs for parsing::Encoding {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {
+        let default = parsing::Settings::default();
+        let system = options.system.map_or(default.system, |name| match name {
+            SystemName::Hybrid => parsing::System::ArcHybrid,
+            SystemName::Standard => parsing::System::ArcStandard,
+            SystemName::Swap => parsing::System::ArcStandardSwap,
+        });
+        Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
+    }
+
+    fn set_column(&mut self, _: usize) -> Result<()> {
+        Err(no_such_setting("--label-column", Self::NAME))
+    }
+
+    fn embedded() -> Option<Result<Both<Self::Data>>> {
+        None
+    }
+}
+
+impl Verbs for ocr::Sightings {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<Self> {
+        let default = Self::default();
+        let see = ocr::Sightings {
+            patch: options.patch.map_or(default.patch, usize::from),
+            history: options.history.map_or(default.history, usize::from),
+            rest: options.rest,
+            passes: options.times.map_or(default.passes, usize::from),
+        };
+        see.validate().map(|()| see)
+    }
+
+    fn set_column(&mut self, _: usize) -> Result<()> {
+        Err(no_such_setting("--label-column", Self::NAME))
+    }
+
+    fn embedded() -> Option<Result<Both<Self::Data>>> {
+        None
+    }
+}
