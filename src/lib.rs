@@ -45,7 +45,7 @@
 //! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers and templates, grammars with exact answers, measures |
 //! | [`tasks`] | sequence tagging, dependency parsing, tabular problems; what a task is to the program, and model files |
 //! | [`report`], `cli` | tables; the program |
-//! | [`guide`] | chapters: [what the theorems say](guide::theorems) |
+//! | [`guide`] | chapters: [what the theorems say](guide::theorems), [what a token costs](guide::speed) |
 
 #[cfg(feature = "cli")]
 pub mod cli;
