@@ -4,6 +4,7 @@
 //! and found again, what is written, what is measured, and what a model file keeps. A [`Model`] is such a task with a trained policy.
 
 mod file;
+mod learners;
 mod model;
 pub mod ocr;
 pub mod parsing;
@@ -12,8 +13,9 @@ pub mod tagging;
 mod training;
 
 pub use file::{Arrays, task_of};
+pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
-pub use training::{AnyLearner, Trainer};
+pub use training::Trainer;
 
 use crate::error::Result;
 use crate::read::conll::{Block, Line};

@@ -1,9 +1,8 @@
 //! Training by name: any trainer with any learner, on any task.
 
+use super::learners::AnyLearner;
 use super::model::Learned;
 use crate::error::Result;
-use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Online, Perceptron, Svm, Wap};
-use crate::policy::Linear;
 use crate::roll::Shortcut;
 use crate::space::{CostToGo, Features, Problem, Space, StateOf};
 use crate::theory::ledgers::{self, Expected, Extent};
@@ -44,26 +43,6 @@ pub enum Trainer {
     EarlyUpdate(EarlyUpdate),
 }
 
-/// A learner with its settings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AnyLearner {
-    /// [`Perceptron`].
-    Perceptron(Perceptron),
-    /// [`Logistic`].
-    Logistic(Logistic),
-    /// [`Csoaa`].
-    Csoaa(Csoaa),
-    /// [`Wap`].
-    Wap(Wap),
-    /// [`FilterTree`].
-    FilterTree(FilterTree),
-    /// [`Svm`].
-    Svm(Svm),
-    /// [`CrammerSinger`].
-    CrammerSinger(CrammerSinger),
-}
-
 impl Trainer {
     /// Trains on `problem` with `learner`, which [`Trainer::EarlyUpdate`] leaves alone.
     ///
@@ -74,24 +53,6 @@ impl Trainer {
         P::Space: Space<View = Features>,
         P::Expert: CostToGo<P::Space>,
         StateOf<P>: Clone,
-    {
-        match learner {
-            AnyLearner::Perceptron(learner) => self.train_with(problem, learner, run),
-            AnyLearner::Logistic(learner) => self.train_with(problem, learner, run),
-            AnyLearner::Csoaa(learner) => self.train_with(problem, learner, run),
-            AnyLearner::Wap(learner) => self.train_with(problem, learner, run),
-            AnyLearner::FilterTree(learner) => self.train_with(problem, learner, run),
-            AnyLearner::Svm(learner) => self.train_with(problem, learner, run),
-            AnyLearner::CrammerSinger(learner) => self.train_with(problem, learner, run),
-        }
-    }
-
-    fn train_with<P: Problem, L>(&self, problem: &P, learner: &L, run: &Run<'_>) -> Result<Trained<Learned>>
-    where
-        P::Space: Space<View = Features>,
-        P::Expert: CostToGo<P::Space>,
-        StateOf<P>: Clone,
-        L: Online<Features, Classifier = Linear>,
     {
         Ok(match self {
             Trainer::Supervised(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),

@@ -1,0 +1,135 @@
+//! Learners by name.
+
+use crate::learner::{
+    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Learner, Logistic, Online, Perceptron, Setting,
+    Svm, SvmCourse, Target, Wap,
+};
+use crate::policy::{Classifier, Linear, LinearMemory};
+use crate::seed::Seed;
+use crate::space::{Action, Features, Sight};
+use serde::{Deserialize, Serialize};
+
+/// A learner with its settings. It is a learner itself, so that whatever is generic over learners is compiled once for all of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AnyLearner {
+    /// [`Perceptron`].
+    Perceptron(Perceptron),
+    /// [`Logistic`].
+    Logistic(Logistic),
+    /// [`Csoaa`].
+    Csoaa(Csoaa),
+    /// [`Wap`].
+    Wap(Wap),
+    /// [`FilterTree`].
+    FilterTree(FilterTree),
+    /// [`Svm`].
+    Svm(Svm),
+    /// [`CrammerSinger`].
+    CrammerSinger(CrammerSinger),
+}
+
+/// An [`AnyLearner`] in the middle of learning.
+pub enum AnyCourse {
+    /// That of a learner by gradients.
+    Linear(Course),
+    /// That of an [`Svm`].
+    Svm(SvmCourse),
+    /// That of a [`CrammerSinger`].
+    Crammer(CrammerCourse),
+}
+
+/// Does the same with the learner in `$any`, whichever it is.
+macro_rules! with_learner {
+    ($any:expr, $learner:ident => $body:expr) => {
+        match $any {
+            AnyLearner::Perceptron($learner) => $body,
+            AnyLearner::Logistic($learner) => $body,
+            AnyLearner::Csoaa($learner) => $body,
+            AnyLearner::Wap($learner) => $body,
+            AnyLearner::FilterTree($learner) => $body,
+            AnyLearner::Svm($learner) => $body,
+            AnyLearner::CrammerSinger($learner) => $body,
+        }
+    };
+}
+
+/// A course, as the learner that began it knows it.
+trait Begun: Sized {
+    fn wrap(self) -> AnyCourse;
+    fn of(course: &mut AnyCourse) -> &mut Self;
+    fn unwrap(course: AnyCourse) -> Self;
+}
+
+macro_rules! begun {
+    ($course:ty, $variant:ident) => {
+        impl Begun for $course {
+            fn wrap(self) -> AnyCourse {
+                AnyCourse::$variant(self)
+            }
+            fn of(course: &mut AnyCourse) -> &mut Self {
+                match course {
+                    AnyCourse::$variant(course) => course,
+                    _ => unreachable!("a course goes on with the learner that began it"),
+                }
+            }
+            fn unwrap(course: AnyCourse) -> Self {
+                match course {
+                    AnyCourse::$variant(course) => course,
+                    _ => unreachable!("a course is finished by the learner that began it"),
+                }
+            }
+        }
+    };
+}
+begun!(Course, Linear);
+begun!(SvmCourse, Svm);
+begun!(CrammerCourse, Crammer);
+
+impl Classifier<Features> for AnyCourse {
+    type Memory = LinearMemory;
+
+    #[inline]
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+        match self {
+            AnyCourse::Linear(course) => course.scores(sight, memory),
+            AnyCourse::Svm(course) => course.scores(sight, memory),
+            AnyCourse::Crammer(course) => course.scores(sight, memory),
+        }
+    }
+}
+
+impl Learner<Features> for AnyLearner {
+    type Classifier = Linear;
+
+    fn fit(
+        &self,
+        setting: Setting<'_, Features>,
+        examples: &Examples<Features>,
+        warm: Option<&Linear>,
+        seed: Seed,
+    ) -> Linear {
+        with_learner!(self, learner => learner.fit(setting, examples, warm, seed))
+    }
+}
+
+impl Online<Features> for AnyLearner {
+    type Course = AnyCourse;
+
+    fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> AnyCourse {
+        with_learner!(self, learner => learner.begin(setting, warm).wrap())
+    }
+
+    #[inline]
+    fn learn(&self, course: &mut AnyCourse, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
+        with_learner!(self, learner => learner.learn(Begun::of(course), sight, target))
+    }
+
+    fn study(&self, course: &mut AnyCourse, setting: Setting<'_, Features>, examples: &Examples<Features>) {
+        with_learner!(self, learner => learner.study(Begun::of(course), setting, examples));
+    }
+
+    fn finish(&self, course: AnyCourse) -> Linear {
+        with_learner!(self, learner => learner.finish(Begun::unwrap(course)))
+    }
+}
