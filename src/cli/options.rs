@@ -190,7 +190,7 @@ pub struct LearnerOptions {
     /// L2 penalty per example, for every learner but perceptron, svm and crammer-singer [default: 0]
     #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
-    /// Probability of a mistake below which logistic leaves an example alone: more is faster [default: 0.05]
+    /// Probability of a mistake below which logistic leaves an example alone: more is faster [default: 0.01]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     tolerance: Option<f32>,
     /// What a margin error costs svm and crammer-singer: C [default: 0.1]

@@ -22,7 +22,7 @@ pub struct Logistic {
 
 impl Default for Logistic {
     fn default() -> Self {
-        Logistic { passes: 5, rate: 0.1, l2: 0.0, tolerance: 0.05 }
+        Logistic { passes: 5, rate: 0.1, l2: 0.0, tolerance: 0.01 }
     }
 }
 
