@@ -14,7 +14,7 @@ use std::path::Path;
 /// Sentences in which the last word says what all labels are.
 fn corpus(count: usize) -> Corpus {
     let sentence = |i: usize| {
-        let (word, label) = if i * i % 7 % 2 == 0 { ("a", "A") } else { ("b", "B") };
+        let (word, label) = if (i * i % 7).is_multiple_of(2) { ("a", "A") } else { ("b", "B") };
         format!("x {label}\n").repeat(3 + i % 4) + &format!("{word} {label}\n\n")
     };
     let text: String = (0..count).map(sentence).collect();
