@@ -3,4 +3,5 @@
 pub mod conll;
 pub mod conllu;
 pub mod grammar;
+pub mod grid;
 pub mod template;

@@ -5,6 +5,7 @@
 
 mod file;
 mod model;
+pub mod navigation;
 pub mod parsing;
 pub mod tabular;
 pub mod tagging;
