@@ -4,6 +4,7 @@
 //! and found again, what is written, what is measured, and what a model file keeps. A [`Model`] is such a task with a trained policy.
 
 mod file;
+pub mod graph;
 mod model;
 pub mod navigation;
 pub mod parsing;

@@ -34,7 +34,7 @@ mod world;
 
 pub use maps::Maps;
 pub use margin::{MaximumMargin, Planner, PlannerMemory};
-
+pub(crate) use network::check_features;
 pub use network::{Network, Road, Site};
 pub use plan::Plan;
 pub use space::{At, Cheapest, Eyes, Navigation, Place};
