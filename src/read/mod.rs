@@ -3,5 +3,6 @@
 pub mod conll;
 pub mod conllu;
 pub mod grammar;
+pub mod grid;
 pub mod letters;
 pub mod template;

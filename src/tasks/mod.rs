@@ -4,8 +4,10 @@
 //! and found again, what is written, what is measured, and what a model file keeps. A [`Model`] is such a task with a trained policy.
 
 mod file;
+pub mod graph;
 mod learners;
 mod model;
+pub mod navigation;
 pub mod ocr;
 pub mod parsing;
 pub mod tabular;
