@@ -29,7 +29,8 @@ pub enum AnyLearner {
     CrammerSinger(CrammerSinger),
 }
 
-/// An [`AnyLearner`] in the middle of learning.
+/// An [`AnyLearner`] in the middle of learning. It goes on with a learner of the kind that began it: one of another kind panics, as that is
+/// a mistake in a program and never one in its input.
 pub enum AnyCourse {
     /// That of a learner by gradients.
     Linear(Course),
