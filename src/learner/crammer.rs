@@ -163,7 +163,7 @@ pub struct CrammerCourse {
     problem: Subproblem,
 }
 
-/// The weights as they are now. A memory serves until the course learns again.
+/// The weights as they are now.
 impl Classifier<Features> for CrammerCourse {
     type Memory = LinearMemory;
 

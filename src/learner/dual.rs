@@ -163,11 +163,16 @@ impl Steps {
     }
 }
 
-/// The weights as they are now. A memory serves until a step is made.
+/// The weights as they are now.
 impl Classifier<Features> for Steps {
     type Memory = LinearMemory;
 
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
         memory.scores(self.columns, self.actions, &self.weights, sight)
+    }
+
+    #[inline]
+    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
+        memory.choose(self.columns, self.actions, &self.weights, sight)
     }
 }

@@ -99,13 +99,14 @@ impl Course {
             let blocks = self.gradient.as_chunks().0.iter().copied().enumerate();
             self.blocks.clear();
             self.blocks.extend(blocks.filter(|(_, g)| *g != [0.0; BLOCK]));
-            self.change(rule.descent(), fixed);
-            self.change(rule.descent(), dynamic);
+            self.change(rule.descent(), fixed, false);
+            self.change(rule.descent(), dynamic, true);
         }
         self.seen += 1;
     }
 
-    fn change(&mut self, descent: Descent, features: &[u32]) {
+    /// Changes the weights of `features`; those of dynamic ones are measured again, because roll-outs will ask for that.
+    fn change(&mut self, descent: Descent, features: &[u32], measure: bool) {
         let when = self.seen as f32;
         let blocks = self.weights.stride() / BLOCK;
         let width = blocks * descent.beside();
@@ -131,6 +132,9 @@ impl Course {
                         (w[*block], beside[*block]) = (weight, [u, squares]);
                     }
                 }
+            }
+            if measure {
+                self.weights.measure_row(place);
             }
         }
     }
@@ -161,12 +165,17 @@ fn adaptive(rate: f32, l2: f32, when: f32, g: Block, now: (Block, Block, Block))
     (w, u, s)
 }
 
-/// The weights as they are now, not their average. A memory serves until the course learns again.
+/// The weights as they are now, not their average.
 impl Classifier<Features> for Course {
     type Memory = LinearMemory;
 
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
         memory.scores(self.columns, self.actions, &self.weights, sight)
+    }
+
+    #[inline]
+    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
+        memory.choose(self.columns, self.actions, &self.weights, sight)
     }
 }
 
@@ -192,7 +201,9 @@ impl<R: Rule> Learner<Features> for R {
                 course.learn(self, fixed, dynamic, examples.legal(i as usize), examples.target(i as usize));
             }
         }
-        self.finish(course)
+        let mut learned = self.finish(course);
+        learned.weights.measure();
+        learned
     }
 }
 
@@ -210,6 +221,7 @@ impl<R: Rule> Online<Features> for R {
                 }
             }
         }
+        weights.measure();
         let (scores, gradient) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
         let (blocks, votes) = (Vec::new(), Vec::new());
         Course {

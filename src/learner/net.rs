@@ -215,7 +215,7 @@ impl Net {
     }
 }
 
-/// The weights as they are now; features not met so far count nothing. A memory serves until the course learns again.
+/// The weights as they are now; features not met so far count nothing.
 impl Classifier<Features> for NetCourse {
     type Memory = NeuralMemory;
 

@@ -223,7 +223,7 @@ impl Pairs {
     }
 }
 
-/// The weights as they are now. A memory serves until the course learns again.
+/// The weights as they are now.
 impl Classifier<Features> for SvmCourse {
     type Memory = LinearMemory;
 

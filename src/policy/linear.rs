@@ -36,7 +36,7 @@ impl Columns {
 }
 
 /// Rows of weights, one for each feature that has any, each contiguous over the columns and padded to eight.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Weights {
     columns: usize,
     stride: usize,
@@ -44,13 +44,44 @@ pub struct Weights {
     index: Vec<u32>,
     /// Row r, column c at r * stride + c. Row 0 is all zero.
     rows: Vec<f32>,
+    /// How far each row can move one column against another, at most; infinite where it was not measured, empty where none was.
+    reach: Vec<f32>,
+    /// How often a row was handed out to be changed.
+    version: u64,
+}
+
+/// Equal weights: whether they were measured, and how they came about, does not count.
+impl PartialEq for Weights {
+    fn eq(&self, other: &Self) -> bool {
+        self.columns == other.columns && self.index == other.index && self.rows == other.rows
+    }
+}
+
+/// What rounding can add, at most, to a sum of up to [`MOST_ADDED`] numbers for each unit of what is added.
+const ROUNDING: f32 = 1e-4;
+/// More features than this are not weighed against a margin.
+const MOST_ADDED: usize = 400;
+
+/// How far `row` can move one column against another: the range of its weights and zero, and what rounding makes of it. Not a number where a
+/// weight is none.
+fn reach(row: &[f32]) -> f32 {
+    let (mut low, mut high, mut odd) = ([0f32; 8], [0f32; 8], [0f32; 8]);
+    for part in row.as_chunks::<8>().0 {
+        for c in 0..8 {
+            low[c] = if part[c] < low[c] { part[c] } else { low[c] };
+            high[c] = if part[c] > high[c] { part[c] } else { high[c] };
+            odd[c] += part[c] * 0.0;
+        }
+    }
+    let range = high.into_iter().fold(0.0, f32::max) - low.into_iter().fold(0.0, f32::min);
+    range * (1.0 + ROUNDING) + odd.into_iter().sum::<f32>()
 }
 
 impl Weights {
     /// No weights, for `features` features.
     pub fn new(features: usize, columns: usize) -> Self {
         let stride = columns.next_multiple_of(8).max(8);
-        Weights { columns, stride, index: vec![0; features], rows: vec![0.0; stride] }
+        Weights { columns, stride, index: vec![0; features], rows: vec![0.0; stride], reach: Vec::new(), version: 0 }
     }
 
     /// How many columns a row has, padding left out.
@@ -93,8 +124,26 @@ impl Weights {
     /// The weights of `feature` and their padding; zeros are made for it when it has none.
     #[inline]
     pub fn row_mut(&mut self, feature: u32) -> &mut [f32] {
-        let start = self.make_place(feature) * self.stride;
-        &mut self.rows[start..start + self.stride]
+        let place = self.make_place(feature);
+        self.version += 1;
+        if let Some(reach) = self.reach.get_mut(place) {
+            *reach = f32::INFINITY;
+        }
+        &mut self.rows[place * self.stride..(place + 1) * self.stride]
+    }
+
+    /// Measures how far each row can move one column against another: from now on classifiers decide by what they have summed up already where the
+    /// rest cannot change it. Rows that are changed after this count as unmeasured until [`Weights::measure_row`].
+    pub(crate) fn measure(&mut self) {
+        self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
+    }
+
+    /// Measures the row at `place` again, if the weights are measured.
+    #[inline]
+    pub(crate) fn measure_row(&mut self, place: usize) {
+        if let Some(kept) = self.reach.get_mut(place) {
+            *kept = reach(&self.rows[place * self.stride..(place + 1) * self.stride]);
+        }
     }
 
     /// Which of the rows is that of `feature`, counted from 1 in the order in which they were made.
@@ -120,6 +169,9 @@ impl Weights {
     fn add(&mut self, feature: u32) {
         self.index[feature as usize] = self.len() as u32 + 1;
         self.rows.resize(self.rows.len() + self.stride, 0.0);
+        if !self.reach.is_empty() {
+            self.reach.push(0.0);
+        }
     }
 
     /// Takes up the room that `rows` more rows will need.
@@ -157,10 +209,9 @@ impl Weights {
         let Some(scores) = scores.first_chunk_mut::<N>() else { return };
         let mut sums = *scores;
         for &feature in features {
+            // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
             let row = self.index[feature as usize] as usize;
-            if row != 0
-                && let Some(row) = self.rows[row * N..].first_chunk::<N>()
-            {
+            if let Some(row) = self.rows[row * N..].first_chunk::<N>() {
                 for c in 0..N {
                     sums[c] += row[c];
                 }
@@ -172,6 +223,7 @@ impl Weights {
     /// The rows changed by `change`, which gets the place and the weights of each. Those that come out all zero are left out.
     pub(crate) fn map_rows(mut self, mut change: impl FnMut(usize, &mut [f32])) -> Weights {
         let stride = self.stride;
+        self.reach = Vec::new();
         let mut moved = vec![0; self.len() + 1];
         let mut kept = 1;
         for (place, to) in moved.iter_mut().enumerate().skip(1) {
@@ -222,43 +274,94 @@ impl Linear {
 }
 
 /// How many static rows' scores a thread remembers: longer sentences only cost time.
-const SLOTS: usize = 256;
+const FIXED: usize = 256;
+/// How many views' scores a thread remembers as far as they are near: those of the few rows that roll-outs pass before they meet.
+const NEAR: usize = 128;
 
-/// A thread's scratch for a linear classifier: the scores of static parts seen before, and sums.
+/// A thread's scratch for a linear classifier: what was summed up before and can be of use again.
 #[derive(Default)]
 pub struct LinearMemory {
-    rows: Vec<u32>,
-    scores: Vec<f32>,
+    /// The weights' version that everything here is of.
+    version: u64,
+    /// Over static parts, by their rows.
+    fixed: Sums,
+    /// Over static parts and the near dynamic features, by row and key.
+    near: Sums,
+    /// What each of those decides, and by how much.
+    decided: Vec<(Action, f32)>,
     sums: Vec<f32>,
     votes: Vec<f32>,
 }
 
-impl LinearMemory {
-    /// The sums over the static part and the dynamic part of `view`, the static part's from memory where it is there.
+/// Sums by what they are of, each at the place that this has; what comes to the same place takes it over.
+#[derive(Default)]
+struct Sums {
+    keys: Vec<(u32, u32)>,
+    sums: Vec<f32>,
+}
+
+/// The key of a place where nothing is.
+const NOTHING: (u32, u32) = (NO_ROW, u32::MAX);
+
+impl Sums {
+    fn new(places: usize, stride: usize) -> Self {
+        Sums { keys: vec![NOTHING; places], sums: vec![0.0; places * stride] }
+    }
+
+    /// The place of `key`, and whether it has it.
     #[inline]
-    fn sum<'m>(&'m mut self, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
+    fn place(&self, key: (u32, u32)) -> (usize, bool) {
+        let place = (key.0.wrapping_mul(37).wrapping_add(key.1)) as usize % self.keys.len();
+        (place, self.keys[place] == key)
+    }
+
+    /// The sums at `place`, to be written.
+    #[inline]
+    fn write(&mut self, place: usize, key: (u32, u32), stride: usize) -> &mut [f32] {
+        self.keys[place] = key;
+        &mut self.sums[place * stride..(place + 1) * stride]
+    }
+
+    #[inline]
+    fn read(&self, place: usize, stride: usize) -> &[f32] {
+        &self.sums[place * stride..(place + 1) * stride]
+    }
+}
+
+impl LinearMemory {
+    /// Forgets what is not of `weights` as they are now.
+    #[inline]
+    fn belong_to(&mut self, weights: &Weights) {
         let stride = weights.stride();
         if self.sums.len() != stride {
-            *self = LinearMemory {
-                rows: vec![NO_ROW; SLOTS],
-                scores: vec![0.0; SLOTS * stride],
-                sums: vec![0.0; stride],
-                votes: Vec::new(),
-            };
+            let (fixed, near) = (Sums::new(FIXED, stride), Sums::new(NEAR, stride));
+            let decided = vec![(Action(0), 0.0); NEAR];
+            *self = LinearMemory { version: 0, fixed, near, decided, sums: vec![0.0; stride], votes: Vec::new() };
+        } else if self.version != weights.version {
+            self.fixed.keys.fill(NOTHING);
+            self.near.keys.fill(NOTHING);
         }
-        let row = sight.view.row;
-        if row == NO_ROW {
-            self.sums.fill(0.0);
-        } else {
-            let slot = row as usize % SLOTS;
-            let stored = &mut self.scores[slot * stride..(slot + 1) * stride];
-            if self.rows[slot] != row {
-                stored.fill(0.0);
-                weights.add_to(sight.shared.row(row), stored);
-                self.rows[slot] = row;
-            }
-            self.sums.copy_from_slice(stored);
+        self.version = weights.version;
+    }
+
+    /// The sums over the static part of `view`, from memory where they are there.
+    #[inline]
+    fn fixed<'m>(fixed: &'m mut Sums, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
+        let key = (sight.view.row, 0);
+        let (place, known) = fixed.place(key);
+        if !known {
+            let sums = fixed.write(place, key, weights.stride());
+            sums.fill(0.0);
+            weights.add_to(sight.shared.row(sight.view.row), sums);
         }
+        fixed.read(place, weights.stride())
+    }
+
+    /// The sums over the static part and the dynamic part of `view`.
+    #[inline]
+    fn sum<'m>(&'m mut self, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
+        self.belong_to(weights);
+        self.sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight));
         weights.add_to(&sight.view.dynamic, &mut self.sums);
         &self.sums
     }
@@ -282,6 +385,51 @@ impl LinearMemory {
             }
         }
     }
+
+    /// The legal action with the highest score, the lowest of equals.
+    ///
+    /// Where weights are measured, the near part of the view is summed up once and decides alone if the rest cannot turn the decision.
+    #[inline]
+    pub(crate) fn choose(
+        &mut self,
+        columns: Columns,
+        actions: usize,
+        weights: &Weights,
+        sight: &Sight<'_, Features>,
+    ) -> Action {
+        let (view, stride) = (sight.view, weights.stride());
+        if columns != Columns::Actions || view.near == 0 || weights.reach.is_empty() {
+            return sight.legal.best(self.scores(columns, actions, weights, sight));
+        }
+        self.belong_to(weights);
+        let (near, far) = view.dynamic.split_at(view.near);
+        let key = (view.row, view.key);
+        let (place, known) = self.near.place(key);
+        if !known {
+            let sums = self.near.write(place, key, stride);
+            sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight));
+            weights.add_to(near, sums);
+            self.decided[place] = decide(sight.legal, &sums[..actions]);
+        }
+        let (action, margin) = self.decided[place];
+        let reach: f32 = far.iter().map(|f| weights.reach[weights.index[*f as usize] as usize]).sum();
+        if reach < margin && far.len() <= MOST_ADDED {
+            return action;
+        }
+        self.sums.copy_from_slice(self.near.read(place, stride));
+        weights.add_to(far, &mut self.sums);
+        sight.legal.best(&self.sums[..actions])
+    }
+}
+
+/// The legal action with the highest score, the lowest of equals, and how far the others can come up without beating it, however their sums are
+/// rounded: the further one is behind, the more rounding may do, but less than that.
+fn decide(legal: Actions<'_>, scores: &[f32]) -> (Action, f32) {
+    let best = legal.best(scores);
+    let high = scores[best.index()];
+    let others = legal.iter().filter(|a| *a != best).map(|a| scores[a.index()]);
+    let second = others.fold(f32::NEG_INFINITY, f32::max);
+    (best, (high - second) * (1.0 - ROUNDING) - ROUNDING * high.abs())
 }
 
 /// The champion of the legal actions' tournament; every match, its column and the two that meet, is shown to `watch`. Of equals
@@ -340,5 +488,10 @@ impl Classifier<Features> for Linear {
     #[inline]
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
         memory.scores(self.columns, self.actions, &self.weights, sight)
+    }
+
+    #[inline]
+    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
+        memory.choose(self.columns, self.actions, &self.weights, sight)
     }
 }

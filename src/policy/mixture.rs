@@ -192,6 +192,10 @@ pub struct MixtureMemory<M> {
 impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
     type Memory = MixtureMemory<C::Memory>;
 
+    fn is_expert(&self) -> bool {
+        self.members.is_empty()
+    }
+
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
         memory.members.resize_with(self.members.len(), Default::default);
         match self.reading {

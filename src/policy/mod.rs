@@ -32,6 +32,11 @@ pub trait Policy<P: Problem>: Sync {
 
     /// The action taken at `visit`. Whatever is random about it is keyed by the visit's seed.
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action;
+
+    /// Whether it is known to do always as the expert does. `false` is always right.
+    fn is_expert(&self) -> bool {
+        false
+    }
 }
 
 /// A trained function from views to actions.
@@ -53,6 +58,9 @@ impl<V: View, C: Classifier<V>> Classifier<V> for &C {
     fn scores<'m>(&self, sight: &Sight<'_, V>, memory: &'m mut Self::Memory) -> &'m [f32] {
         (**self).scores(sight, memory)
     }
+    fn choose(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Action {
+        (**self).choose(sight, memory)
+    }
 }
 
 /// The policy that always does as the expert does.
@@ -63,6 +71,9 @@ impl<P: Problem> Policy<P> for Follow {
     type Memory = ();
     fn act(&self, visit: &mut Visit<'_, P>, (): &mut ()) -> Action {
         visit.expert()
+    }
+    fn is_expert(&self) -> bool {
+        true
     }
 }
 

@@ -115,6 +115,12 @@ where
         costs: &mut Vec<f64>,
     ) {
         let Actor { policy, memory, memo } = actor;
+        if policy.is_expert() && (0..self.samples).all(|_| visit.foresee(costs)) {
+            // All samples are alike, but their mean is that of the sum all the same.
+            let mean = |cost: f64| std::iter::repeat_n(cost, self.samples).sum::<f64>() / self.samples as f64;
+            costs.iter_mut().for_each(|cost| *cost = mean(*cost));
+            return;
+        }
         memo.resize_with(self.samples, Memo::default);
         costs.clear();
         let legal = visit.legal();
@@ -160,6 +166,9 @@ where
     ) {
         let Actor { policy, memory, memo } = actor;
         let experts = self.is_experts(visit);
+        if experts && visit.foresee(costs) {
+            return;
+        }
         let run = run.child(Purpose::RollOut, 0);
         let memo = &mut memo[usize::from(experts)];
         costs.clear();

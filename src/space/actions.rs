@@ -77,17 +77,22 @@ impl<'a> Actions<'a> {
     /// incomparable score (NaN) never wins against a number.
     #[inline]
     pub fn best(self, scores: &[f32]) -> Action {
-        let pick = |(best, high): (u32, f32), a: u32| {
-            let score = scores[a as usize];
-            if score > high { (a, score) } else { (best, high) }
+        // Score and action in one number: which of two is greater needs no branch, and nothing is guessed wrong.
+        let key = |a: u32| (i64::from(ordered(scores[a as usize])) << 32) | i64::from(!a);
+        let best = match self {
+            Actions::All(n) => (0..n).map(key).max(),
+            Actions::Only(list) => list.iter().map(|a| key(a.0)).max(),
         };
-        let first = self.nth(0).0;
-        let start = (first, f32::NEG_INFINITY);
-        Action(match self {
-            Actions::All(n) => (0..n).fold(start, pick).0,
-            Actions::Only(list) => list.iter().map(|a| a.0).fold(start, pick).0,
-        })
+        Action(best.map_or(0, |key| !(key as u32)))
     }
+}
+
+/// A number that is greater where `score` is, and least where it is not a number.
+#[inline]
+fn ordered(score: f32) -> i32 {
+    // Adding zero makes one of both zeros.
+    let bits = (score + 0.0).to_bits() as i32;
+    if score.is_nan() { i32::MIN } else { bits ^ ((bits >> 31) as u32 >> 1) as i32 }
 }
 
 #[cfg(test)]
@@ -100,6 +105,9 @@ mod tests {
         assert_eq!(Actions::Only(&[Action(0), Action(2)]).best(&[1.0, 2.0, 1.0]), Action(0));
         assert_eq!(Actions::All(2).best(&[f32::NAN, f32::NAN]), Action(0));
         assert_eq!(Actions::All(2).best(&[f32::NAN, 0.0]), Action(1));
+        assert_eq!(Actions::All(3).best(&[f32::NEG_INFINITY, -2.0, -1.0]), Action(2));
+        assert_eq!(Actions::All(3).best(&[f32::NAN, f32::NEG_INFINITY, -f32::NAN]), Action(1));
+        assert_eq!(Actions::All(2).best(&[-0.0, 0.0]), Action(0));
     }
 
     #[test]

@@ -16,11 +16,16 @@ pub struct Features {
     pub row: u32,
     /// The dynamic part, as feature numbers below [`FeatureTable::features`].
     pub dynamic: Vec<u32>,
+    /// How many of the dynamic features, the first of them, follow from `row` and `key`: views that agree in those two agree in these features and in
+    /// the legal actions. What such a part alone decides is then decided once. 0 promises nothing.
+    pub near: usize,
+    /// What the first `near` dynamic features follow from, beside the row, such as the last action.
+    pub key: u32,
 }
 
 impl Default for Features {
     fn default() -> Self {
-        Features { row: NO_ROW, dynamic: Vec::new() }
+        Features { row: NO_ROW, dynamic: Vec::new(), near: 0, key: 0 }
     }
 }
 

@@ -98,6 +98,15 @@ impl Classifier<Features> for AnyCourse {
             AnyCourse::Crammer(course) => course.scores(sight, memory),
         }
     }
+
+    #[inline]
+    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
+        match self {
+            AnyCourse::Linear(course) => course.choose(sight, memory),
+            AnyCourse::Svm(course) => course.choose(sight, memory),
+            AnyCourse::Crammer(course) => course.choose(sight, memory),
+        }
+    }
 }
 
 impl Learner<Features> for AnyLearner {

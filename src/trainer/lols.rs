@@ -149,8 +149,6 @@ impl Lols {
             for &index in &episodes {
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
                 let mut haul = Haul::default();
-                // What was scored before the learner learned is of no use.
-                scratch.0 = Default::default();
                 self.episode(&mut worker, &Greedy(&course), episode, &mut scratch, &mut haul);
                 let examples = std::mem::take(&mut haul.round.examples);
                 learner.study(&mut course, setting, &examples); // pihat_{i+1} <- Train(pihat_i, Gamma)

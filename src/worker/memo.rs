@@ -12,11 +12,10 @@ pub struct Memo {
     run: Option<Seed>,
     /// The number of the run. What was kept in another is no more.
     era: u32,
-    /// What is known of the states of each step: roll-outs from one state pass few steps before they meet, so few tables are
-    /// in use at a time.
+    /// Which states of each step are known: roll-outs from one state pass few steps before they meet, so few tables are in use at a time.
     steps: Vec<Table>,
-    /// Scratch for the roll-out that is under way.
-    pub(super) trail: Vec<Passed>,
+    /// What comes after the known states, in the order in which they were come to.
+    rests: Vec<Rest>,
 }
 
 /// What comes after a state.
@@ -26,9 +25,6 @@ pub(super) struct Rest {
     pub bill: Ledger,
 }
 
-/// A state that a roll-out came to: what the step there cost, its signature, and the bill before anything is decided in it.
-pub(super) type Passed = (f64, Option<u64>, Ledger);
-
 impl Memo {
     /// Forgets everything unless it belongs to `run`.
     pub(super) fn belong_to(&mut self, run: Seed) {
@@ -36,6 +32,7 @@ impl Memo {
             return;
         }
         self.run = Some(run);
+        self.rests.clear();
         self.era = self.era.wrapping_add(1);
         if self.era == 0 {
             self.steps.clear();
@@ -43,37 +40,60 @@ impl Memo {
         }
     }
 
-    /// What is known to come after the state with this signature at step `t`.
-    #[inline]
-    pub(super) fn find(&self, t: usize, signature: u64) -> Option<Rest> {
-        let table = self.steps.get(t)?;
-        table.place(Key { signature, era: self.era }).ok().map(|place| table.rests[place])
+    /// How many states are kept.
+    pub(super) fn len(&self) -> usize {
+        self.rests.len()
     }
 
-    /// Remembers what comes after it.
+    /// What is known to come after the state with this signature at step `t`. If nothing is, it is kept from now on, and what comes after it
+    /// must be [settled](Memo::settle) before anything else is asked; `then` is what the step to it cost, and the bill before anything is
+    /// decided in it. A state without a signature is kept too, but never found.
     #[inline]
-    pub(super) fn keep(&mut self, t: usize, signature: u64, rest: Rest) {
-        if self.steps.len() <= t {
-            self.steps.resize_with(t + 1, Table::default);
+    pub(super) fn come_to(&mut self, t: usize, signature: Option<u64>, then: Rest) -> Option<Rest> {
+        if let Some(signature) = signature {
+            if self.steps.len() <= t {
+                self.steps.resize_with(t + 1, Table::default);
+            }
+            let state = State { signature, era: self.era, at: self.rests.len() as u32 };
+            if let Some(at) = self.steps[t].find_or_keep(state) {
+                return Some(self.rests[at as usize]);
+            }
         }
-        self.steps[t].keep(Key { signature, era: self.era }, rest);
+        self.rests.push(then);
+        None
+    }
+
+    /// Settles what comes after the states from number `first` on, which one roll-out passed one after the other. After the last of them came
+    /// `later` more steps and `rest`, when the bill was that of `rest`. Returns what the roll-out cost, added up from its end, as a table of
+    /// costs-to-go would.
+    pub(super) fn settle(&mut self, first: usize, mut later: u64, rest: Rest) -> f64 {
+        let Rest { mut cost, bill: after } = rest;
+        for passed in self.rests[first..].iter_mut().rev() {
+            let then = *passed;
+            passed.cost = cost;
+            passed.bill = after - then.bill;
+            passed.bill.steps += later;
+            cost += then.cost;
+            later += 1;
+        }
+        cost
     }
 }
 
 /// The states of one step: a table of open addressing with a power of two of places, at most half of them taken.
 #[derive(Clone, Debug)]
 struct Table {
-    keys: Vec<Key>,
-    rests: Vec<Rest>,
+    places: Vec<State>,
     /// How many places are taken in the era that was kept last.
     taken: (u32, usize),
 }
 
-/// A state that is remembered, and in which era. A place of another era is free.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Key {
+/// A state that is known, in which era, and which number it has. A place of another era is free.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
     signature: u64,
     era: u32,
+    at: u32,
 }
 
 /// Places of the smallest table.
@@ -81,40 +101,43 @@ const PLACES: usize = 32;
 
 impl Default for Table {
     fn default() -> Self {
-        Table { keys: vec![Key::default(); PLACES], rests: vec![Rest::default(); PLACES], taken: (0, 0) }
+        Table { places: vec![State::default(); PLACES], taken: (0, 0) }
     }
 }
 
 impl Table {
-    fn keep(&mut self, key: Key, rest: Rest) {
-        if self.taken.0 != key.era {
-            self.taken = (key.era, 0);
+    /// The number of the state with the same signature and era, if there is one; else this one is kept.
+    #[inline]
+    fn find_or_keep(&mut self, state: State) -> Option<u32> {
+        if self.taken.0 != state.era {
+            self.taken = (state.era, 0);
         }
-        if 2 * self.taken.1 >= self.keys.len() {
-            self.grow(key.era);
+        let place = match self.place(state) {
+            Ok(place) => return Some(self.places[place].at),
+            Err(free) => free,
+        };
+        self.places[place] = state;
+        self.taken.1 += 1;
+        if 2 * self.taken.1 > self.places.len() {
+            self.grow(state.era);
         }
-        let place = self.place(key).unwrap_or_else(|free| {
-            self.taken.1 += 1;
-            free
-        });
-        self.keys[place] = key;
-        self.rests[place] = rest;
+        None
     }
 
-    /// Where `key` is, or the free place where it belongs.
+    /// Where the state with the same signature and era is, or the free place where it belongs.
     #[inline]
-    fn place(&self, key: Key) -> Result<usize, usize> {
-        let last = self.keys.len() - 1;
+    fn place(&self, state: State) -> Result<usize, usize> {
+        let last = self.places.len() - 1;
         // The upper bits of a product are the well mixed ones.
-        let mixed = key.signature.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mixed = state.signature.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mut place = (mixed >> 32) as usize & last;
         loop {
-            let found = self.keys[place];
-            if found == key {
-                return Ok(place);
-            }
-            if found.era != key.era {
+            let found = self.places[place];
+            if found.era != state.era {
                 return Err(place);
+            }
+            if found.signature == state.signature {
+                return Ok(place);
             }
             place = (place + 1) & last;
         }
@@ -123,13 +146,11 @@ impl Table {
     /// Makes the table twice as large.
     #[cold]
     fn grow(&mut self, era: u32) {
-        let (keys, rests) = (std::mem::take(&mut self.keys), std::mem::take(&mut self.rests));
-        self.rests = vec![Rest::default(); 2 * keys.len()];
-        self.keys = vec![Key::default(); 2 * keys.len()];
-        for (key, rest) in keys.into_iter().zip(rests).filter(|(key, _)| key.era == era) {
-            if let Err(place) = self.place(key) {
-                self.keys[place] = key;
-                self.rests[place] = rest;
+        let places = std::mem::take(&mut self.places);
+        self.places = vec![State::default(); 2 * places.len()];
+        for state in places.into_iter().filter(|state| state.era == era) {
+            if let Err(place) = self.place(state) {
+                self.places[place] = state;
             }
         }
     }
@@ -154,9 +175,14 @@ mod tests {
                     run = next;
                 }
                 memo.belong_to(Seed::new(run.unwrap_or(0)));
-                prop_assert_eq!(memo.find(t, signature).map(|rest| rest.cost), map.get(&(t, signature)).copied());
-                memo.keep(t, signature, Rest { cost: f64::from(cost), bill: Ledger::default() });
-                map.insert((t, signature), f64::from(cost));
+                let first = memo.len();
+                let found = memo.come_to(t, Some(signature), Rest { cost: 1.0, bill: Ledger::default() });
+                prop_assert_eq!(found.map(|rest| rest.cost), map.get(&(t, signature)).copied());
+                if found.is_none() {
+                    let rest = Rest { cost: f64::from(cost), bill: Ledger::default() };
+                    prop_assert_eq!(memo.settle(first, 0, rest), f64::from(cost) + 1.0);
+                    map.insert((t, signature), f64::from(cost));
+                }
             }
         }
     }

@@ -123,6 +123,20 @@ impl<'v, P: Problem> Visit<'v, P> {
         }
     }
 
+    /// The same, where the [expert foresees](Expert::foresee) it, billed as one [roll-out](Visit::roll_out) for each legal action in which
+    /// the expert acts. Returns whether it does; if not, nothing is billed.
+    pub fn foresee(&mut self, costs: &mut Vec<f64>) -> bool {
+        let Some(steps) = self.problem.expert().foresee(self.problem.space(), self.state, costs) else { return false };
+        let runs = costs.len() as u64;
+        let acts = runs * (steps - 1);
+        self.ledger.rollouts += runs;
+        self.ledger.resets += runs;
+        self.ledger.steps += runs * steps;
+        self.ledger.rollout_acts += acts;
+        self.ledger.queries += acts;
+        true
+    }
+
     /// Hands what can be seen here to `keep`, which makes an example of it. Billed as one example.
     pub fn record<T>(&mut self, keep: impl FnOnce(&Sight<'_, ViewOf<P>>) -> T) -> T {
         self.ledger.examples += 1;
@@ -139,38 +153,35 @@ impl<'v, P: Problem> Visit<'v, P> {
         &mut self,
         action: Action,
         run: Seed,
-        mut memo: Option<&mut Memo>,
+        memo: Option<&mut Memo>,
         mut drive: impl FnMut(&mut Visit<'_, P>) -> Action,
     ) -> f64
     where
         StateOf<P>: Clone,
     {
-        if let Some(memo) = &mut memo {
-            memo.belong_to(run);
-        }
+        let (mut own, remember) = (Memo::default(), memo.is_some());
+        let memo = memo.unwrap_or(&mut own);
+        memo.belong_to(run);
         let space = self.problem.space();
         self.ledger.rollouts += 1;
         self.ledger.resets += 1;
         // The view of the state at hand is overwritten: the next look at it writes it again.
         self.looked = false;
         let mut state = self.state.clone();
-        let mut action = action;
-        // The costs of the steps, and which states they led to. The steps are billed at the end: a bill that is written to and copied in
-        // turn makes each wait for the other.
-        let mut trail = memo.as_mut().map(|memo| std::mem::take(&mut memo.trail)).unwrap_or_default();
-        let mut rest = Rest::default();
-        let mut spent = 0.0;
+        let (mut action, mut spent) = (action, 0.0);
+        // What is passed is kept with the bill so far. The steps themselves are billed at the end: a bill that is written to and copied in turn makes
+        // each wait for the other.
+        let first = memo.len();
+        let (mut rest, mut later) = (0.0, 0);
         for t in self.t + 1.. {
             let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
             spent += cost;
-            let signature = memo.as_ref().and_then(|_| space.signature(&state));
-            if let Some(known) = signature.and_then(|signature| memo.as_ref()?.find(t, signature)) {
-                rest = known;
+            let signature = if remember { space.signature(&state) } else { None };
+            if let Some(known) = memo.come_to(t, signature, Rest { cost, bill: *self.ledger }) {
                 *self.ledger += known.bill;
-                trail.push((cost, None, *self.ledger));
+                (rest, later) = (known.cost + cost, 1);
                 break;
             }
-            trail.push((cost, signature, *self.ledger));
             let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t, run);
             visit.spent = spent;
             if visit.legal().is_empty() {
@@ -178,21 +189,9 @@ impl<'v, P: Problem> Visit<'v, P> {
             }
             action = drive(&mut visit);
         }
-        // From the end, as a table of costs-to-go would add them.
-        let after = *self.ledger;
-        self.ledger.steps += trail.len() as u64;
-        let last = self.t + trail.len();
-        for (later, (cost, signature, then)) in trail.drain(..).rev().enumerate() {
-            if let (Some(memo), Some(signature)) = (&mut memo, signature) {
-                let mut bill = after - then;
-                bill.steps += later as u64;
-                memo.keep(last - later, signature, Rest { cost: rest.cost, bill });
-            }
-            rest.cost += cost;
-        }
-        if let Some(memo) = memo {
-            memo.trail = trail;
-        }
-        rest.cost
+        let passed = (memo.len() - first) as u64;
+        let cost = memo.settle(first, later, Rest { cost: rest, bill: *self.ledger });
+        self.ledger.steps += passed + later;
+        cost
     }
 }

@@ -25,7 +25,7 @@ impl School {
     }
 
     fn show(mut self, dynamic: &[u32], target: Target<'_>) -> Self {
-        let view = Features { row: NO_ROW, dynamic: dynamic.to_vec() };
+        let view = Features { dynamic: dynamic.to_vec(), ..Features::default() };
         self.examples.push(&view, Actions::All(self.actions as u32), target);
         self
     }
@@ -38,7 +38,7 @@ impl School {
     fn lessons<L: Online<Features>>(&self, learner: &L, course: &mut L::Course, order: &[usize]) {
         for &i in order {
             let (row, dynamic) = self.examples.views().get(i);
-            let view = Features { row, dynamic: dynamic.to_vec() };
+            let view = Features { row, dynamic: dynamic.to_vec(), ..Features::default() };
             let sight = Sight { shared: &self.table, view: &view, legal: self.examples.legal(i) };
             learner.learn(course, &sight, Some(self.examples.target(i)));
         }
@@ -173,7 +173,7 @@ fn weighted_all_pairs() {
 
     // Who beats whom: by f0 0 beats all, 1 beats 2 (a tie goes to the lower) and 3, 2 beats 3.
     let votes = |dynamic: &[u32], legal: Actions<'_>| {
-        let view = Features { row: NO_ROW, dynamic: dynamic.to_vec() };
+        let view = Features { dynamic: dynamic.to_vec(), ..Features::default() };
         learned.scores(&Sight { shared: &school.table, view: &view, legal }, &mut Default::default()).to_vec()
     };
     assert_eq!(votes(&[0], Actions::All(4)), [3.0, 2.0, 1.0, 0.0]);
@@ -191,7 +191,7 @@ fn learners_learn_and_start_warm() {
         for school in [labels, costs] {
             let fitted = learner.fit(school.setting(), &school.examples, None, Seed::new(1));
             let choose = |classifier: &Linear, feature: u32| {
-                let view = Features { row: NO_ROW, dynamic: vec![feature] };
+                let view = Features { dynamic: vec![feature], ..Features::default() };
                 let sight = Sight { shared: &school.table, view: &view, legal: Actions::All(2) };
                 classifier.choose(&sight, &mut Default::default())
             };
@@ -237,7 +237,7 @@ fn studying_is_learning_while_acting() {
     fn same<C: Classifier<Features>, D: Classifier<Features>>((course, learned): (C, D)) {
         let table = FeatureTable::new(2);
         for dynamic in [vec![], vec![0], vec![1], vec![0, 1]] {
-            let view = Features { row: NO_ROW, dynamic };
+            let view = Features { dynamic, ..Features::default() };
             let sight = Sight { shared: &table, view: &view, legal: Actions::All(3) };
             let (mut before, mut after) = Default::default();
             assert_eq!(course.scores(&sight, &mut before), learned.scores(&sight, &mut after));

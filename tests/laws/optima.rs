@@ -28,7 +28,7 @@ impl Small {
     fn fit<L: Learner<Features>>(&self, learner: &L) -> L::Classifier {
         let mut examples = Examples::default();
         for (dynamic, costs) in &self.examples {
-            let view = Features { row: NO_ROW, dynamic: dynamic.clone() };
+            let view = Features { dynamic: dynamic.clone(), ..Features::default() };
             examples.push(&view, Actions::All(self.actions as u32), Target::Costs(costs));
         }
         learner.fit(Setting { shared: &self.table(), actions: self.actions }, &examples, None, Seed::new(1))
@@ -45,7 +45,7 @@ impl Small {
     }
 
     fn scores(&self, classifier: &impl Classifier<Features>, dynamic: &[u32]) -> Vec<f32> {
-        let view = Features { row: NO_ROW, dynamic: dynamic.to_vec() };
+        let view = Features { dynamic: dynamic.to_vec(), ..Features::default() };
         let sight = Sight { shared: &self.table(), view: &view, legal: Actions::All(self.actions as u32) };
         classifier.scores(&sight, &mut Default::default()).to_vec()
     }
@@ -142,7 +142,7 @@ proptest! {
     fn ridge_regression_finds_the_least(small in smalls(2..=5), l2 in 0.01f32..3.0) {
         let classifier: Valued = small.fit(&Ridge { l2, ..Ridge::default() });
         let predict = |f: u32| {
-            let view = Features { row: NO_ROW, dynamic: vec![f] };
+            let view = Features { dynamic: vec![f], ..Features::default() };
             let sight = Sight { shared: &small.table(), view: &view, legal: Actions::All(small.actions as u32) };
             f64::from(classifier.predict(&sight, &mut Default::default()))
         };

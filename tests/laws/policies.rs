@@ -1,12 +1,15 @@
 //! What policies do: their memory does not matter, and their readings are what they say.
 
-use crate::common::{Constant, Labels, corpora, drawn, fixed, learners, problem, rolls_out, sample, trainers};
+use crate::common::{
+    Constant, Labels, any_corpora, corpora, drawn, fixed, learners, problem, rolls_out, sample, trainers,
+};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use rollin::learner::{Examples, Learner, Logistic, Online, Perceptron, Setting, Target};
 use rollin::policy::{Classifier, Greedy, Ladder, Linear, Mixture, Policy, Reading};
 use rollin::roll::perform;
-use rollin::space::Sight;
-use rollin::space::{Action, Actions, Episode, Features, Problem, Space};
+use rollin::space::{Action, Actions, Episode, FeatureTable, Features, Problem, Sight, Space, Store};
+use rollin::tasks::AnyLearner;
 use rollin::tasks::tagging::{Learned, TaggingProblem, Trainer};
 use rollin::trainer::Run;
 use rollin::worker::Worker;
@@ -187,7 +190,7 @@ fn ladders_go_step_by_step() {
 }
 
 fn scores(classifier: &Linear, problem: &TaggingProblem, row: u32, dynamic: Vec<u32>) -> Vec<f32> {
-    let view = Features { row, dynamic };
+    let view = Features { row, dynamic, ..Features::default() };
     let legal = Actions::All(problem.space.actions() as u32);
     let sight = Sight { shared: problem.space.shared(), view: &view, legal };
     classifier.scores(&sight, &mut Default::default()).to_vec()
@@ -225,4 +228,70 @@ fn the_mean_classifier_scores_the_mean() {
     let wap = trainers()[2].train(&problem, &learners()[3], &Run::new(1)).unwrap().policy;
     let Learned::Mixture(mixture) = wap else { panic!("SMILe trains a mixture") };
     assert!(Linear::mean(mixture.members()).is_none() && Linear::mean(&[]).is_none());
+}
+
+proptest! {
+    #![proptest_config(fixed(300))]
+
+    /// A choice is the best of the scores, also where the near part of the view decides alone, and also when the weights have changed since
+    /// something was remembered. The margins of small weights are often exactly the reach of the far part.
+    #[test]
+    fn what_the_near_part_decides_is_the_best_of_all(
+        lessons in vec((0u32..3, 0u32..4, vec(12u32..24, 0..3), 0u32..5, any::<bool>()), 1..120),
+        fine: bool,
+    ) {
+        let table = FeatureTable::from_rows(24, vec![0, 2, 3, 4], vec![0, 1, 2, 3]);
+        let list: Vec<Action> = [0, 2, 3, 4].map(Action).into();
+        let setting = Setting { shared: &table, actions: 5 };
+        // Logistic's weights are anything, those of a perceptron are whole numbers.
+        let learner = if fine { AnyLearner::Logistic(Logistic::default()) } else { AnyLearner::Perceptron(Perceptron::default()) };
+        let (mut course, mut memory) = (learner.begin(setting, None), Default::default());
+        let mut examples = Examples::default();
+        for (row, key, far, label, learn) in lessons {
+            let legal = if key == 3 { Actions::Only(&list) } else { Actions::All(5) };
+            // Three near features that follow from row and key, and any others.
+            let near = [4 + key, 8 + row, 4 + (key + row) % 4];
+            let view = Features { row, dynamic: near.iter().chain(&far).copied().collect(), near: near.len(), key };
+            let sight = Sight { shared: &table, view: &view, legal };
+            let best = legal.best(course.scores(&sight, &mut Default::default()));
+            prop_assert_eq!(course.choose(&sight, &mut memory), best);
+            if learn {
+                let label = legal.nth(label as usize % legal.len());
+                learner.learn(&mut course, &sight, Some(Target::Label(label)));
+                examples.push(&view, legal, Target::Label(label));
+            }
+        }
+        // The same with a classifier that is finished.
+        let (fitted, mut memory) = (learner.fit(setting, &examples, None, Seed::new(1)), Default::default());
+        for i in 0..examples.len() {
+            let (row, dynamic) = examples.views().get(i);
+            for key in 0..4 {
+                let mut dynamic = dynamic.to_vec();
+                (dynamic[0], dynamic[2]) = (4 + key, 4 + (key + row) % 4);
+                let view = Features { row, dynamic, near: 3, key };
+                let legal = if key == 3 { Actions::Only(&list) } else { Actions::All(5) };
+                let sight = Sight { shared: &table, view: &view, legal };
+                prop_assert_eq!(fitted.choose(&sight, &mut memory), legal.best(fitted.scores(&sight, &mut Default::default())));
+            }
+        }
+    }
+
+    /// Views of a tagger that agree in row and key agree in their near features and in what is legal.
+    #[test]
+    fn near_features_follow_from_row_and_key(sentences in any_corpora(6, 8), number: u64) {
+        let problem = problem(&sentences);
+        let mut seen = std::collections::HashMap::new();
+        let mut worker = Worker::new(&problem);
+        for index in (0..problem.episodes()).flat_map(|index| [index; 20]) {
+            let seed = Seed::new(number).child(Purpose::Episode, seen.len() as u64);
+            worker.episode(Episode { index, seed }, |visit| {
+                let legal: Vec<Action> = visit.legal().iter().collect();
+                let any = legal[(visit.seed().unit() * legal.len() as f64) as usize];
+                let view = visit.sight().view.clone();
+                let near = (view.dynamic[..view.near].to_vec(), legal);
+                assert_eq!(seen.entry((view.row, view.key)).or_insert_with(|| near.clone()), &near);
+                Some(any)
+            });
+        }
+    }
 }

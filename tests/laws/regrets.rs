@@ -81,7 +81,7 @@ impl World {
     fn choice(&self, columns: Columns, scores: &[f32]) -> Action {
         let mut weights = Weights::new(1, columns.count(self.actions));
         weights.row_mut(0)[..scores.len()].copy_from_slice(scores);
-        let view = Features { row: NO_ROW, dynamic: vec![0] };
+        let view = Features { dynamic: vec![0], ..Features::default() };
         let sight = Sight { shared: &FeatureTable::new(1), view: &view, legal: self.legal() };
         Linear { actions: self.actions, columns, weights }.choose(&sight, &mut Default::default())
     }

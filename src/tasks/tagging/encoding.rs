@@ -193,9 +193,14 @@ impl Encoding {
     /// Numbers the dynamic features after the static ones.
     pub(super) fn number_history(&mut self) -> Result<()> {
         let mut base = self.features.len();
-        let mut history = Vec::new();
-        for (line, contexts) in self.template.history().iter().zip(&self.contexts) {
-            let numbered = HistoryLine::new(&line.labels, contexts.len(), self.labels.len(), base as u32);
+        let mut history: Vec<HistoryLine> = Vec::new();
+        let mut lines: Vec<_> = self.template.history().iter().map(|line| &line.labels[..]).enumerate().collect();
+        // Those that look no further back than one label come first, and lines that look at the same labels stand side by side.
+        lines.sort_by_key(|(_, labels)| (labels.iter().any(|k| *k < -1), *labels));
+        for (line, labels) in lines {
+            let mut numbered =
+                HistoryLine::new(line, labels, self.contexts[line].len(), self.labels.len(), base as u32);
+            numbered.again = history.last().is_some_and(|last| last.labels == labels);
             base += numbered.size as usize;
             if base > u32::MAX as usize {
                 return Err(Error::argument("features", base, format!("at most {}", u32::MAX)));

@@ -11,16 +11,24 @@ pub const MAX_ORDER: usize = crate::read::template::BACK as usize;
 /// The feature numbers of one history line of a template: every context with every combination of the labels it looks at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryLine {
+    /// Its place among the history lines of the template, and so among the contexts of a token.
+    pub line: usize,
     /// How many tokens further on the labels stand that it looks at: -1 is the one before, from 0 on it is that of a first reading.
     pub labels: Vec<i32>,
     /// Whether one of them is that of a first reading.
     pub ahead: bool,
+    /// Whether none of them is further back than the one before.
+    pub near: bool,
+    /// Whether the line before looks at the same labels.
+    pub(super) again: bool,
     /// The first of its feature numbers.
     pub base: u32,
     /// How many feature numbers it has.
     pub size: u32,
-    /// Whether there are as many as contexts times combinations, or fewer, which combinations share by hash.
-    pub exact: bool,
+    /// How many combinations of labels there are, if they are as many as fit.
+    codes: u64,
+    /// Whether there are as many numbers as contexts times combinations, or fewer, which combinations share by hash.
+    exact: bool,
 }
 
 /// No such context was ever seen: the feature is left out.
@@ -30,29 +38,38 @@ pub const NO_CONTEXT: u32 = u32::MAX;
 const MOST: u64 = 1 << 24;
 
 impl HistoryLine {
-    /// The line that looks at the labels `at`, with `contexts` contexts and `labels` labels, numbered from `base`.
-    pub fn new(at: &[i32], contexts: usize, labels: usize, base: u32) -> Self {
-        let all = (labels as u64 + 1).checked_pow(at.len() as u32).and_then(|n| n.checked_mul(contexts as u64));
-        let exact = all.is_some_and(|n| n <= MOST);
-        let size = all.filter(|_| exact).unwrap_or(MOST) as u32;
-        HistoryLine { labels: at.to_vec(), ahead: at.iter().any(|k| *k >= 0), base, size, exact }
+    /// Line `line`, which looks at the labels `at`, with `contexts` contexts and `labels` labels, numbered from `base`.
+    pub fn new(line: usize, at: &[i32], contexts: usize, labels: usize, base: u32) -> Self {
+        let codes = (labels as u64 + 1).checked_pow(at.len() as u32);
+        let all = codes.and_then(|n| n.checked_mul(contexts as u64)).filter(|n| *n <= MOST);
+        HistoryLine {
+            line,
+            labels: at.to_vec(),
+            ahead: at.iter().any(|k| *k >= 0),
+            near: at.iter().all(|k| *k >= -1),
+            again: false,
+            base,
+            size: all.unwrap_or(MOST) as u32,
+            codes: codes.unwrap_or(MOST),
+            exact: all.is_some(),
+        }
     }
 
-    /// The feature number of `context` with the labels around: `label(k)` is the one `k` tokens further on.
+    /// The labels that it looks at in one number: `label(k)` is the one `k` tokens further on.
     #[inline]
-    fn number(&self, context: u32, label: impl Fn(i32) -> u16, labels: u64) -> u32 {
-        let mut n = u64::from(context);
+    fn code(&self, labels: u64, label: impl Fn(i32) -> u16) -> u64 {
+        self.labels.iter().fold(0, |code: u64, k| code.wrapping_mul(labels + 1).wrapping_add(u64::from(label(*k))))
+    }
+
+    /// The feature number of `context` with the labels of `code`.
+    #[inline]
+    fn number(&self, context: u32, code: u64) -> u32 {
+        let n = u64::from(context).wrapping_mul(self.codes).wrapping_add(code);
         if self.exact {
-            for &k in &self.labels {
-                n = n * (labels + 1) + u64::from(label(k));
-            }
             return self.base + n as u32;
         }
-        for &k in &self.labels {
-            n = (n ^ u64::from(label(k))).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            n ^= n >> 29;
-        }
-        self.base + (n % MOST) as u32
+        let n = (n ^ n >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.base + (n >> 29) as u32 % MOST as u32
     }
 }
 
@@ -162,13 +179,13 @@ impl Tagging {
         if self.transitions.order() == Order::Free || next == end {
             return 0;
         }
-        if self.transitions.after(previous).contains(Action(self.gold[next as usize])) {
+        if self.transitions.allows(previous, self.gold[next as usize]) {
             return 0;
         }
         let mut front = vec![previous];
         for at in next..end {
-            let gold = Action(self.gold[at as usize]);
-            if front.iter().any(|y| self.transitions.after(*y).contains(gold)) {
+            let gold = self.gold[at as usize];
+            if front.iter().any(|y| self.transitions.allows(*y, gold)) {
                 return at - next;
             }
             front = front.iter().flat_map(|y| self.transitions.after(*y).iter().map(|a| a.0)).collect();
@@ -176,6 +193,33 @@ impl Tagging {
             front.dedup();
         }
         end - next
+    }
+}
+
+impl Tagging {
+    /// Writes into `view` what there is to see with these history lines, the near ones first, and the labels around.
+    #[inline]
+    fn look_around<'a>(
+        &self,
+        state: &Position,
+        lines: impl Iterator<Item = &'a HistoryLine>,
+        label: impl Fn(i32) -> u16,
+        view: &mut Features,
+    ) {
+        let contexts = &self.contexts[state.token as usize * self.history.len()..][..self.history.len()];
+        (view.row, view.key, view.near) = (state.token, state.previous(), 0);
+        view.dynamic.clear();
+        let mut code = 0;
+        for line in lines {
+            if !line.again {
+                code = line.code(self.labels as u64, &label);
+            }
+            let context = contexts[line.line];
+            if context != NO_CONTEXT {
+                view.dynamic.push(line.number(context, code));
+                view.near += usize::from(line.near);
+            }
+        }
     }
 }
 
@@ -197,28 +241,17 @@ impl Space for Tagging {
 
     #[inline]
     fn look(&self, state: &Position, view: &mut Features) {
-        let lines = self.history.len();
-        let contexts = &self.contexts[state.token as usize * lines..][..lines];
-        view.row = state.token;
-        view.dynamic.clear();
-        let (labels, begin) = (self.labels as u64, self.transitions.begin() as u16);
+        let begin = self.transitions.begin() as u16;
         let before = |k: i32| state.history[(-k) as usize - 1];
         match &self.reading {
             Reading::Second(said) => {
                 let said = &said[state.token as usize..(state.token + state.left) as usize];
                 let around = |k: i32| if k < 0 { before(k) } else { said.get(k as usize).copied().unwrap_or(begin) };
-                for (line, &context) in self.history.iter().zip(contexts) {
-                    if context != NO_CONTEXT {
-                        view.dynamic.push(line.number(context, around, labels));
-                    }
-                }
+                self.look_around(state, self.history.iter(), around, view);
             }
             _ => {
-                for (line, &context) in self.history.iter().zip(contexts) {
-                    if context != NO_CONTEXT && !line.ahead {
-                        view.dynamic.push(line.number(context, before, labels));
-                    }
-                }
+                let alone = self.history.iter().filter(|line| !line.ahead);
+                self.look_around(state, alone, before, view);
             }
         }
     }
@@ -265,15 +298,20 @@ impl Expert<Tagging> for Gold {
     #[inline]
     fn action(&self, space: &Tagging, state: &Position) -> Option<Action> {
         let gold = *space.gold.get(state.token as usize)?;
-        let legal = space.legal(state);
-        if legal.contains(Action(gold)) {
+        if space.transitions.allows(state.previous(), gold) {
             return Some(Action(gold));
         }
+        let legal = space.legal(state);
         let detour = |a: Action| space.detour(state, a.0);
         let kin = |a: Action| space.transitions.kin(a.0, gold);
         // Mostly one of the right label's type leads straight back.
         let straight = legal.iter().find(|a| kin(*a) && detour(*a) == 0);
         straight.or_else(|| legal.iter().min_by_key(|a| (detour(*a), !kin(*a), a.0)))
+    }
+
+    fn foresee(&self, space: &Tagging, state: &Position, costs: &mut Vec<f64>) -> Option<u64> {
+        self.costs(space, state, costs);
+        (!space.gold.is_empty()).then_some(u64::from(state.left))
     }
 }
 

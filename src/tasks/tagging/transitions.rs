@@ -20,6 +20,8 @@ pub struct Transitions {
     labels: usize,
     /// For [`Order::Bio`]: `after[y]`, and last what may start a sentence.
     after: Vec<Box<[Action]>>,
+    /// For [`Order::Bio`]: whether label y may follow x, at `x * labels + y`; x is the number of labels at the start of a sentence.
+    allowed: Vec<bool>,
     /// The span type of each label; labels of one type are kin.
     kinds: Vec<u32>,
 }
@@ -36,28 +38,23 @@ impl Transitions {
             .iter()
             .map(|name| names.iter().position(|other| split(other).1 == split(name).1).unwrap_or(0) as u32)
             .collect();
-        let may_follow = |before: Option<&str>, after: &str| {
+        let rule = |before: Option<&str>, after: &str| {
             let (prefix, kind) = split(after);
             prefix != "I" || before.map(split).is_some_and(|(p, k)| k == kind && (p == "B" || p == "I"))
         };
-        let after = match order {
+        let befores = names.iter().map(|name| Some(name.as_str())).chain([None]);
+        let allowed: Vec<bool> = match order {
             Order::Free => Vec::new(),
-            Order::Bio => names
-                .iter()
-                .map(|name| Some(name.as_str()))
-                .chain([None])
-                .map(|before| {
-                    let follows = |(_, name): &(usize, &String)| may_follow(before, name);
-                    names.iter().enumerate().filter(follows).map(|(y, _)| Action(y as u32)).collect()
-                })
-                .collect(),
+            Order::Bio => befores.flat_map(|before| names.iter().map(move |name| rule(before, name))).collect(),
         };
-        Transitions { order, labels: names.len(), after, kinds }
+        let list = |row: &[bool]| (0..).zip(row).filter(|(_, may)| **may).map(|(y, _)| Action(y)).collect();
+        let after = allowed.chunks(names.len().max(1)).map(list).collect();
+        Transitions { order, labels: names.len(), after, allowed, kinds }
     }
 
     /// The same labels without any order.
     pub fn freed(&self) -> Self {
-        Transitions { order: Order::Free, after: Vec::new(), ..self.clone() }
+        Transitions { order: Order::Free, after: Vec::new(), allowed: Vec::new(), ..self.clone() }
     }
 
     /// The order that labels of these names suggest: IOB2 where every name is `O`, `B-X` or `I-X`, with at least one `I-X`.
@@ -82,6 +79,15 @@ impl Transitions {
         match self.order {
             Order::Free => Actions::All(self.labels as u32),
             Order::Bio => Actions::Only(&self.after[previous as usize]),
+        }
+    }
+
+    /// Whether `label` may follow `previous`.
+    #[inline]
+    pub fn allows(&self, previous: u32, label: u32) -> bool {
+        match self.order {
+            Order::Free => true,
+            Order::Bio => self.allowed[previous as usize * self.labels + label as usize],
         }
     }
 
