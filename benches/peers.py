@@ -335,8 +335,8 @@ def part_rollout(sitting):
     if sitting.has["vowpalwabbit"]:
         peers["Vowpal Wabbit, mixed roll-outs, 3 passes"] = sitting.vw_train(
             "lols.vwm", "--passes", "3", "--search_rollout", "mix_per_roll", "--search_rollin", "learn")
-    ours = {"rollin, LOLS online, 3 rounds": ["--algorithm", "lols-online", "--rounds", "3"],
-            "rollin, SEARN, 3 rounds": ["--algorithm", "searn", "--rounds", "3", "--passes", "1", "--warm"]}
+    ours = {"rollin, LOLS online, 3 rounds": ["--algorithm", "lols-online", "--rounds", "3", "--tolerance", "0.2"],
+            "rollin, SEARN, 3 rounds": ["--algorithm", "searn", "--rounds", "3", "--passes", "1", "--warm", "--tolerance", "0.2"]}
     scores = {"Vowpal Wabbit, mixed roll-outs, 3 passes": lambda: sitting.vw_score("lols.vwm")}
     jobs = {}
     for name, options in ours.items():

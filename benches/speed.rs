@@ -14,7 +14,7 @@ use rollin::space::{Action, Episode, Features, Imitation, Sight, Silent, Space};
 use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, TaggingProblem};
 use rollin::tasks::{About, AnyLearner, Trainer};
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
-use rollin::worker::{Visit, Worker, all};
+use rollin::worker::{Ledger, Visit, Worker, all};
 use rollin::{Purpose, Seed};
 use std::collections::HashMap;
 use std::hint::black_box;
@@ -236,6 +236,27 @@ fn rolls(c: &mut Criterion, bench: &Bench) {
     group.bench_function("out, every action", |b| b.iter(memo));
     group.bench_function("out, every action, naive", |b| b.iter(naive));
     group.finish();
+    threads("roll-ins", || roll_in().1);
+    threads("roll-outs", || memo().1);
+}
+
+/// How much faster two threads are than one, by the clock: medians of runs in turn.
+fn threads(what: &str, job: impl Fn() -> Ledger + Sync) {
+    let pools = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads"));
+    let bills = pools.each_ref().map(|pool| pool.install(&job));
+    assert_eq!(bills[0], bills[1]);
+    let mut times: Vec<[f64; 2]> = (0..11)
+        .map(|_| {
+            pools.each_ref().map(|pool| {
+                let start = Instant::now();
+                _ = black_box(pool.install(&job));
+                start.elapsed().as_secs_f64()
+            })
+        })
+        .collect();
+    times.sort_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
+    let [one, two] = times[times.len() / 2];
+    println!("{what}: two threads are {:.2} times as fast as one", one / two);
 }
 
 fn train(c: &mut Criterion, bench: &Bench) {
