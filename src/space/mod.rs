@@ -29,12 +29,14 @@
 //! ```
 
 mod actions;
+mod dense;
 pub mod doc;
 pub mod experts;
 mod features;
 mod stacked;
 
 pub use actions::{Action, Actions};
+pub use dense::{Dense, DenseRows, Width};
 pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
 pub use stacked::{Second, Stacked, StackedState};
 
