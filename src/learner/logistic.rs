@@ -2,13 +2,16 @@
 
 use super::linear::{Descent, Lesson, Rule};
 use super::reduce;
-use crate::policy::Columns;
+use crate::policy::{Columns, Outputs};
 use serde::{Deserialize, Serialize};
 
 /// Multinomial logistic regression over the legal actions, by AdaGrad with an L2 penalty and averaged weights: a 0-1 learner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Logistic {
+    /// What the columns are: one per action, or one per bit of its number, where every bit is a logistic regression of its own if all numbers
+    /// are legal.
+    pub outputs: Outputs,
     /// Passes over the examples.
     pub passes: usize,
     /// AdaGrad's rate.
@@ -22,13 +25,16 @@ pub struct Logistic {
 
 impl Default for Logistic {
     fn default() -> Self {
-        Logistic { passes: 5, rate: 0.1, l2: 0.0, tolerance: 0.01 }
+        Logistic { outputs: Outputs::Actions, passes: 5, rate: 0.1, l2: 0.0, tolerance: 0.01 }
     }
 }
 
 impl Rule for Logistic {
     fn columns(&self) -> Columns {
-        Columns::Actions
+        match self.outputs {
+            Outputs::Actions => Columns::Actions,
+            Outputs::Bits => Columns::Bits,
+        }
     }
 
     fn descent(&self) -> Descent {
@@ -45,6 +51,9 @@ impl Rule for Logistic {
         if importance == 0.0 {
             return false;
         }
+        if self.outputs == Outputs::Bits {
+            return self.by_bits(example, (label.index(), importance), scores, gradient);
+        }
         let high = scores[example.legal.best(scores).index()];
         let mut total = 0.0;
         for action in example.legal.iter() {
@@ -59,6 +68,29 @@ impl Rule for Logistic {
             gradient[action.index()] *= importance / total;
         }
         gradient[label.index()] -= importance;
+        true
+    }
+}
+
+impl Logistic {
+    /// [`Rule::gradient`] where the columns are bits.
+    fn by_bits(
+        &self,
+        example: Lesson<'_>,
+        (label, importance): (usize, f32),
+        scores: &[f32],
+        gradient: &mut [f32],
+    ) -> bool {
+        let score =
+            |a: usize| scores.iter().enumerate().filter(|(bit, _)| a >> bit & 1 == 1).map(|(_, s)| s).sum::<f32>();
+        let all = || example.legal.iter().map(|action| action.index());
+        let high = all().map(score).fold(f32::NEG_INFINITY, f32::max);
+        let total: f32 = all().map(|a| (score(a) - high).exp()).sum();
+        if 1.0 - (score(label) - high).exp() / total < self.tolerance {
+            return false;
+        }
+        all().for_each(|a| self.outputs.add_slope(a, importance * (score(a) - high).exp() / total, gradient));
+        self.outputs.add_slope(label, -importance, gradient);
         true
     }
 }

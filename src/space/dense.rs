@@ -48,6 +48,11 @@ impl Store<Dense> for DenseRows {
         self.values.extend_from_slice(&view.0);
     }
 
+    fn recall(&self, i: usize, view: &mut Dense) {
+        view.0.clear();
+        view.0.extend_from_slice(self.get(i));
+    }
+
     fn extend_from(&mut self, other: &Self) {
         self.rows += other.rows;
         self.values.extend_from_slice(&other.values);

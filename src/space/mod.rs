@@ -113,6 +113,8 @@ pub struct Sight<'a, V: View> {
 pub trait Store<V>: Gather + Sync {
     /// Remembers `view`, which becomes the last.
     fn push(&mut self, view: &V);
+    /// Writes view number `i` into `view`, whatever stood there before.
+    fn recall(&self, i: usize, view: &mut V);
     /// Appends a copy of all of `other`.
     fn extend_from(&mut self, other: &Self);
     /// How many views there are.
