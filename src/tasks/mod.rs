@@ -10,6 +10,7 @@ mod model;
 pub mod navigation;
 pub mod ocr;
 pub mod parsing;
+pub mod platformer;
 pub mod tabular;
 pub mod tagging;
 mod training;
