@@ -33,11 +33,13 @@ mod dense;
 pub mod doc;
 pub mod experts;
 mod features;
+mod marathon;
 mod stacked;
 
 pub use actions::{Action, Actions};
 pub use dense::{Dense, DenseRows, Width};
 pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
+pub use marathon::{Marathon, Runner, Running};
 pub use stacked::{Second, Stacked, StackedState};
 
 use crate::seed::Seed;
