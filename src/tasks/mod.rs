@@ -16,6 +16,7 @@ pub mod tagging;
 mod training;
 
 pub use file::{Arrays, task_of};
+pub(crate) use file::{opened, put_rows, sealed, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
 pub use training::Trainer;
