@@ -5,6 +5,7 @@
 
 mod file;
 pub mod graph;
+pub mod kart;
 mod learners;
 mod model;
 pub mod navigation;
