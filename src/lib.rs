@@ -43,8 +43,8 @@
 //! | [`trainer`] | one short file an algorithm, in the order of its listing |
 //! | [`theory`] | what can be said beforehand |
 //! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers and templates, grammars with exact answers, measures |
-//! | [`tasks`] | sequence tagging, dependency parsing, graph labelling, navigation, tabular problems; what a task is to the program, and model files |
-//! | [`experiment`] | the paper's two experiments, on games |
+//! | [`tasks`] | sequence tagging, dependency parsing, graph labelling, navigation, a platform game, a kart, tabular problems; what a task is to the program, and model files |
+//! | [`experiment`] | the paper's two experiments, on games, and replays of them |
 //! | [`report`], `cli` | tables; the program |
 //! | [`guide`] | chapters: [what the theorems say](guide::theorems), [what a token costs](guide::speed) |
 

@@ -2,7 +2,7 @@
 
 use super::keep::{Answers, Keeping, Remembering};
 use super::measure::outcomes;
-use super::{Amount, Driver, Game, Goal, Interval, Measured, Method, NetOf, Plan, Spread, Teaching};
+use super::{Amount, Driver, Game, Goal, Interval, Length, Measured, Method, NetOf, Plan, Spread, Teaching};
 use crate::error::{Error, Result};
 use crate::output::write_whole;
 use crate::policy::{Ladder, Mixture};
@@ -236,12 +236,17 @@ impl<G: Game> Lab<'_, G> {
         seed: Seed,
         watch: &(dyn Fn(usize) + Sync),
     ) -> Result<(Vec<NetOf<G>>, Vec<Ledger>)> {
-        let Amount { episodes, decisions } = method.amount;
+        let Amount { episodes, length } = method.amount;
         // A roll-out's seeds are shared by many states: its answers cannot be kept.
         let kept = Some(answers).filter(|_| !matches!(method.teaching, Teaching::Searn(_)));
         let runner = Runner(self.game.expert());
+        let (short, decisions) = match length {
+            Length::Game => (None, None),
+            Length::Marathon(decisions) => (None, Some(decisions)),
+            Length::Short(decisions) => (Some(self.game.short(decisions)?), None),
+        };
         let problem = Imitation {
-            space: Marathon::new(self.game.space(), decisions)?,
+            space: Marathon::new(short.as_ref().unwrap_or(self.game.space()), decisions)?,
             expert: Remembering::new(&runner, kept),
             episodes: episodes * self.game.grades().len(),
         };

@@ -8,19 +8,24 @@
 
 mod claims;
 mod driver;
+mod games;
 mod keep;
 mod lab;
 mod measure;
 mod plan;
+mod replay;
 mod report;
 
 pub use claims::{Claim, claims};
 pub use driver::{Driver, Stored};
+pub use games::{Platforming, Racing, Scale};
 pub use lab::{Findings, Lab, Learnt, Point, Tick};
 pub use measure::{Interval, Measured, Outcome, Spread};
-pub use plan::{Amount, Method, Plan, Teaching};
+pub use plan::{Amount, Length, Method, Plan, Teaching};
+pub use replay::{Filmed, Ride, replay};
 pub use report::text;
 
+use crate::error::Result;
 use crate::learner::Sensed;
 use crate::policy::Neural;
 use crate::space::{Expert, Space};
@@ -52,6 +57,12 @@ pub trait Game: Sync {
 
     /// The game.
     fn space(&self) -> &Self::Space;
+
+    /// The same game, over after so many decisions, with what it costs by then.
+    ///
+    /// # Errors
+    /// When there are to be none.
+    fn short(&self, decisions: usize) -> Result<Self::Space>;
 
     /// Its expert.
     fn expert(&self) -> &Self::Expert;

@@ -42,8 +42,20 @@ pub struct Method {
 pub struct Amount {
     /// Episodes of each grade.
     pub episodes: usize,
-    /// Decisions of each, if they are not to be one game each.
-    pub decisions: Option<usize>,
+    /// What an episode is.
+    pub length: Length,
+}
+
+/// What an episode is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Length {
+    /// One game.
+    Game,
+    /// Games one after the other, for so many decisions ([`Marathon`](crate::space::Marathon)).
+    Marathon(usize),
+    /// A game that is over after so many decisions.
+    Short(usize),
 }
 
 /// A trainer with its settings.

@@ -175,8 +175,8 @@ impl Game {
             return;
         }
         let (from, to) = std::mem::replace(&mut self.awake, now);
+        let level = self.level.clone();
         for column in (now.0..=now.1).filter(|column| !(from..=to).contains(column)) {
-            let level = self.level.clone();
             for number in level.spawns_in(column) {
                 let spawn = level.spawns[number];
                 let here = self.things.iter().any(|thing| thing.spawn == number as u16);

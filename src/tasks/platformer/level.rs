@@ -102,8 +102,8 @@ impl fmt::Display for Level {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for row in 0..ROWS {
             let line = (0..COLUMNS).map(|column| {
-                let starts = self.spawns_in(column as i32).map(|i| self.spawns[i]);
-                let who = starts.filter(|spawn| usize::from(spawn.row) == row).last();
+                let mut starts = self.spawns_in(column as i32).map(|i| self.spawns[i]);
+                let who = starts.rfind(|spawn| usize::from(spawn.row) == row);
                 who.map_or(self.tile(column, row).letter(), |spawn| spawn.kind.letter(spawn.winged))
             });
             writeln!(out, "{}", line.collect::<String>().trim_end())?;

@@ -3,10 +3,11 @@
 use super::features::{FEATURES, Memory};
 use super::game::{End, Game};
 use super::levels::{Difficulty, Levels};
+use super::planner::Planner;
 use super::runner::{Buttons, Mode};
 use crate::error::{Error, Result};
 use crate::seed::Seed;
-use crate::space::{Action, Actions, Episode, FeatureTable, Features, NO_ROW, Space};
+use crate::space::{Action, Actions, Episode, FeatureTable, Features, Imitation, NO_ROW, Space};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -141,6 +142,11 @@ impl Platformer {
     /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// The problem of imitating the planner in `episodes` episodes a round.
+    pub fn problem(self, episodes: usize) -> Imitation<Self, Planner> {
+        Imitation { space: self, expert: Planner, episodes }
     }
 
     /// The difficulty of the episode numbered `index`.
