@@ -1,5 +1,6 @@
 //! `rollin experiment`
 
+use super::options::read;
 use super::progress::Work;
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
@@ -64,8 +65,12 @@ pub struct Experiment {
     #[arg(long, conflicts_with = "scale")]
     quick: bool,
     /// The part of the paper's examples, above 0 and at most 1 (for kart: of ten trainings)
-    #[arg(long, default_value_t = 0.1, value_name = "PART")]
-    scale: f64,
+    /// [default: 0.1, for kart 0.3]
+    #[arg(long, value_name = "PART")]
+    scale: Option<f64>,
+    /// Follow the plan in this file, as it is kept in a folder of --resume; its seed is what counts
+    #[arg(long, conflicts_with_all = ["quick", "scale"], value_name = "FILE")]
+    plan: Option<PathBuf>,
     /// These methods only, separated by commas [default: all]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     methods: Vec<String>,
@@ -81,16 +86,20 @@ pub struct Experiment {
 
 impl Experiment {
     pub fn run(&self, global: &Global) -> Result<()> {
-        let scale = if self.quick { Scale::Quick } else { Scale::Part(self.scale) };
+        let scale = |default| if self.quick { Scale::Quick } else { Scale::Part(self.scale.unwrap_or(default)) };
         match self.game {
-            GameName::Kart => self.run_on(&self.place.racing()?, Racing::plan(scale, global.seed)?, global),
+            GameName::Kart => self.run_on(&self.place.racing()?, Racing::plan(scale(0.3), global.seed)?, global),
             GameName::Platformer => {
-                self.run_on(&self.place.platforming()?, Platforming::plan(scale, global.seed)?, global)
+                self.run_on(&self.place.platforming()?, Platforming::plan(scale(0.1), global.seed)?, global)
             }
         }
     }
 
     fn run_on<G: Filmed>(&self, game: &G, mut plan: Plan, global: &Global) -> Result<()> {
+        if let Some(path) = &self.plan {
+            let parsed = serde_json::from_slice(&read(path)?);
+            plan = parsed.map_err(|error| Error::file(path, error.to_string(), "give a plan.json of --resume"))?;
+        }
         if let Some(name) = self.methods.iter().find(|name| plan.methods.iter().all(|method| method.name != **name)) {
             let known: Vec<&str> = plan.methods.iter().map(|method| method.name.as_str()).collect();
             return Err(Error::argument("--methods", name, format!("some of {}", known.join(", "))));
@@ -106,11 +115,7 @@ impl Experiment {
         drop(work);
         if let Some(folder) = &self.models {
             for (name, driver) in &learnt.drivers {
-                let about = format!(
-                    "{name}, scale {}, seed {}",
-                    if self.quick { "quick".into() } else { self.scale.to_string() },
-                    global.seed
-                );
+                let about = format!("{name}, seed {}", plan.seed);
                 write_whole(&folder.join(format!("{name}.model")), &driver.to_bytes::<G::View>(G::NAME, &about))?;
             }
         }

@@ -21,7 +21,8 @@ pub fn text(findings: &Findings, claims: &[Claim]) -> String {
         if findings.grades.len() == 1 { "" } else { "s" },
         plan.seed,
     );
-    format!("{head}\n{}\n{}\n{}\n{}", ends(findings), bills(findings), course(findings), judged(claims))
+    let judged = if claims.is_empty() { String::new() } else { format!("\n{}", judged(claims)) };
+    format!("{head}\n{}\n{}\n{}{judged}", ends(findings), bills(findings), course(findings))
 }
 
 /// A mean and what it may be off by.

@@ -163,12 +163,13 @@ impl Net {
                 *w -= rate * slope / (square.sqrt() + 1e-8);
             }),
             Step::Adam => {
-                let (first, second) = (1.0 - 0.9f32.powi(time), 1.0 - 0.999f32.powi(time));
+                // Divided by once, multiplied with often.
+                let (rate, second) = (rate / (1.0 - 0.9f32.powi(time)), 1.0 / (1.0 - 0.999f32.powi(time)));
                 all.for_each(|(((w, g), mean), square)| {
                     let slope = share * std::mem::take(g);
                     *mean += 0.1 * (slope - *mean);
                     *square += 0.001 * (slope * slope - *square);
-                    *w -= rate * (*mean / first) / ((*square / second).sqrt() + 1e-8);
+                    *w -= rate * *mean / ((*square * second).sqrt() + 1e-8);
                 });
             }
         }
