@@ -6,7 +6,7 @@
 //! Bagnell (2010): [`ROWS`] rows of [`COLUMNS`] cells from the top left, of each L/100, a/128 and b/128. L/100 is in [0, 1], the others in [-1, 1].
 
 use super::car::Car;
-use super::paint::{KERB, LINE, NOSE, Paint, Picture, Point, ROAD};
+use super::paint::{Colour, KERB, LINE, NOSE, PLANETS, Paint, Picture, Point, ROADS, STAR};
 use super::track::{HALF_WIDTH, Node, Track};
 use crate::space::Width;
 
@@ -25,15 +25,34 @@ const EYE: f64 = 1.8;
 const DOWN: f64 = 0.12;
 /// The distance of the picture, in points: half of it is 48 points wide, which makes 77 degrees in all.
 const FOCUS: f32 = 60.0;
-/// Nodes behind and ahead of the kart that are drawn.
+/// Nodes behind the kart that are drawn; how many ahead are drawn one by one, and how many at all.
 const BEHIND: usize = 4;
-const AHEAD: usize = 60;
+const NEAR: usize = 20;
+const FAR: usize = 60;
 /// Metres of a kerb, and half of the broken line.
 const KERB_WIDTH: f32 = 0.6;
 const LINE_SIDE: f32 = 0.25;
-/// Stars all around, and their heights above the horizon, in radians.
-const STARS: usize = 24;
-const STAR_HEIGHTS: [f32; 4] = [0.12, 0.3, 0.2, 0.4];
+/// Bodies in the sky, all around: which is what, its height above the horizon in radians, and its radius in points.
+const BODIES: [(Colour, f32, f32); 16] = [
+    (PLANETS[0], 0.30, 9.0),
+    (STAR, 0.40, 1.6),
+    (STAR, 0.12, 1.2),
+    (PLANETS[1], 0.16, 5.0),
+    (STAR, 0.25, 1.6),
+    (PLANETS[2], 0.34, 7.0),
+    (STAR, 0.10, 1.6),
+    (STAR, 0.45, 1.2),
+    (PLANETS[3], 0.22, 11.0),
+    (STAR, 0.38, 1.6),
+    (PLANETS[0], 0.12, 4.0),
+    (STAR, 0.28, 1.6),
+    (PLANETS[1], 0.40, 8.0),
+    (STAR, 0.14, 1.2),
+    (PLANETS[2], 0.20, 6.0),
+    (STAR, 0.42, 1.6),
+];
+/// Nodes over which the road keeps its colours.
+const PATCH: usize = 12;
 /// Points that the tip of the nose swings to either side at full lock.
 const SWING: f32 = 14.0;
 
@@ -93,28 +112,30 @@ impl Eye {
 
 impl Camera {
     /// Writes the picture of what is seen from `car` into `cells`.
-    pub(super) fn shoot(&self, track: &Track, car: &Car, cells: &mut [f32; NUMBERS]) {
+    pub fn shoot(&self, track: &Track, car: &Car, cells: &mut [f32; NUMBERS]) {
         let eye = Eye::of(track, car);
         let mut picture = Picture::new(Picture::middle()[1] + FOCUS * (eye.pitch.0 / eye.pitch.1) as f32);
-        stars(&mut picture, &eye);
+        sky(&mut picture, &eye);
         road(&mut picture, &eye, track, car.distance);
         nose(&mut picture, car.wheel as f32);
         self.paint.develop(&picture, cells);
     }
 }
 
-fn stars(picture: &mut Picture, eye: &Eye) {
+/// Bodies stand at equal distances from where the start looks to its back, alike to the left and to the right.
+fn sky(picture: &mut Picture, eye: &Eye) {
     let [x, y] = Picture::middle();
     let (tilt, level) = (eye.pitch.0 as f32, eye.pitch.1 as f32);
-    for star in 0..STARS {
-        // Alike to the left and to the right of the start's direction.
-        let around = star.min(STARS - star);
-        let bearing = std::f64::consts::TAU * star as f64 / STARS as f64 - eye.heading;
-        let up = STAR_HEIGHTS[around % STAR_HEIGHTS.len()];
-        let (sin, cos) = (bearing.sin() as f32, bearing.cos() as f32);
-        let depth = cos * level + up * tilt;
-        if depth > 0.5 {
-            picture.star([x + FOCUS * sin / depth, y - FOCUS * (up * level - cos * tilt) / depth]);
+    for (i, (colour, up, radius)) in BODIES.into_iter().enumerate() {
+        let bearing = std::f64::consts::PI * i as f64 / BODIES.len() as f64;
+        for bearing in [bearing, -bearing] {
+            let (sin, cos) = (bearing - eye.heading).sin_cos();
+            let (sin, cos) = (sin as f32, cos as f32);
+            let depth = cos * level + up * tilt;
+            if depth > 0.5 {
+                let at = [x + FOCUS * sin / depth, y - FOCUS * (up * level - cos * tilt) / depth];
+                picture.disc(at, radius, colour);
+            }
         }
     }
 }
@@ -122,25 +143,27 @@ fn stars(picture: &mut Picture, eye: &Eye) {
 fn road(picture: &mut Picture, eye: &Eye, track: &Track, distance: f64) {
     let (n, nodes) = (track.nodes().len(), track.nodes());
     let here = (distance / track.spacing()).floor().rem_euclid(n as f64) as usize;
-    let number = |i: usize| (here + n + i - BEHIND) % n;
-    let mut far = eye.section(&nodes[number(BEHIND + AHEAD)]);
-    for i in (0..BEHIND + AHEAD).rev() {
-        let node = number(i);
-        let near = eye.section(&nodes[node]);
-        strip(picture, [near, far], node / 2 % 2);
-        far = near;
+    let (behind, near, far) = (here + n - BEHIND, (here + n + NEAR).next_multiple_of(2), here + n + FAR);
+    let section = |i: usize| eye.section(&nodes[i % n]);
+    let mut beyond = section(far.next_multiple_of(2));
+    // Far away the two nodes of a band are painted as one.
+    for i in (near..far).rev().filter(|i| i % 2 == 0).chain((behind..near).rev()) {
+        let before = section(i);
+        strip(picture, [before, beyond], i % n);
+        beyond = before;
     }
 }
 
-/// The road from one cross-section to the next; there are two kinds of `band`.
-fn strip(picture: &mut Picture, [near, far]: [Section; 2], band: usize) {
+/// The road from the cross-section at `node` to the next.
+fn strip(picture: &mut Picture, [near, far]: [Section; 2], node: usize) {
     let mut surface = |left: f32, right: f32, colour| {
         let corners = [near.at(left), near.at(right), far.at(right), far.at(left)];
         picture.fill(&clip(&corners), colour);
     };
-    let edge = HALF_WIDTH as f32;
+    let (edge, band) = (HALF_WIDTH as f32, node / 2 % 2);
+    let road = ROADS[2 * (node / PATCH) % ROADS.len()];
     surface(-edge, edge, KERB[band]);
-    surface(KERB_WIDTH - edge, edge - KERB_WIDTH, ROAD[band]);
+    surface(KERB_WIDTH - edge, edge - KERB_WIDTH, road[band]);
     if band == 0 {
         surface(-LINE_SIDE, LINE_SIDE, LINE);
     }
@@ -167,16 +190,16 @@ impl Polygon {
 
 /// What of a convex quadrangle is ahead of the eye, in the picture.
 fn clip(corners: &[Seen; 4]) -> Polygon {
-    const NEAR: f32 = 0.4;
+    const FRONT: f32 = 0.4;
     let mut polygon = Polygon::default();
     for (i, here) in corners.iter().enumerate() {
         let next = &corners[(i + 1) % 4];
-        if here[0] >= NEAR {
+        if here[0] >= FRONT {
             polygon.push(*here);
         }
-        if (here[0] >= NEAR) != (next[0] >= NEAR) {
-            let part = (NEAR - here[0]) / (next[0] - here[0]);
-            polygon.push([NEAR, here[1] + part * (next[1] - here[1]), here[2] + part * (next[2] - here[2])]);
+        if (here[0] >= FRONT) != (next[0] >= FRONT) {
+            let part = (FRONT - here[0]) / (next[0] - here[0]);
+            polygon.push([FRONT, here[1] + part * (next[1] - here[1]), here[2] + part * (next[2] - here[2])]);
         }
     }
     polygon

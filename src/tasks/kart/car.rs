@@ -12,17 +12,17 @@ const PARTS: usize = 4;
 const STEP: f64 = 1.0 / (RATE * PARTS as f64);
 
 /// The speed that the throttle tends to on a level straight, in m/s.
-pub const TOP: f64 = 20.0;
+pub const TOP: f64 = 22.0;
 /// Acceleration at rest, in m/s².
-const THRUST: f64 = 8.0;
+const THRUST: f64 = 10.0;
 /// Seconds in which the wheels come near to what the hand asks for.
 const LAG: f64 = 0.15;
 /// Curvature that the nose follows with the wheels at full lock, in 1/m.
 pub const LOCK: f64 = 1.0 / 9.0;
 /// The most sideways acceleration that the tyres can bring, in m/s².
-pub const GRIP: f64 = 22.0;
+pub const GRIP: f64 = 28.0;
 /// Turning of the course towards the nose, in 1/s for each radian between them, as far as the grip lets it.
-const STIFF: f64 = 10.0;
+const STIFF: f64 = 6.0;
 /// Turning of the nose back to the course, in 1/s for each radian between them.
 const ALIGN: f64 = 3.0;
 /// Speed lost to the drift: share a second for each square radian between nose and course.

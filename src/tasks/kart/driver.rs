@@ -29,7 +29,7 @@ pub struct Driver {
 
 impl Default for Driver {
     fn default() -> Self {
-        Driver { reach: 0.7, quick: 0.4, lazy: 0.1, tremor: 0.06, wander: 1.0 }
+        Driver { reach: 0.7, quick: 0.3, lazy: 0.05, tremor: 0.02, wander: 0.15 }
     }
 }
 

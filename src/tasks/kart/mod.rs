@@ -9,7 +9,7 @@
 //! use rollin::space::{Episode, Expert, Space};
 //! use rollin::tasks::kart::{Driver, Kart, Tracks};
 //!
-//! let kart = Kart::new(Tracks::standard()?.draw(1300.0, Seed::new(1))?);
+//! let kart = Kart::new(Tracks::standard()?.draw(1380.0, Seed::new(1))?);
 //! let seed = Seed::new(2);
 //! let mut ride = kart.start(Episode { index: 0, seed });
 //! while let (false, Some(action)) = (kart.legal(&ride).is_empty(), Driver::default().action(&kart, &ride)) {
@@ -28,6 +28,7 @@ mod paint;
 mod space;
 mod track;
 
+pub use camera::Camera;
 pub use car::{Car, GRIP, LOCK, RATE, TOP};
 pub use driver::Driver;
 pub use space::{Frame, Kart, Outcome, Ride, STICKS, joystick};

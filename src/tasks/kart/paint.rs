@@ -16,29 +16,43 @@ pub(super) type Colour = u8;
 /// Nothing below the horizon: further down and nearer to it; the sky from there to the top.
 const VOID: [Colour; 2] = [0, 1];
 const SKY: [Colour; 3] = [2, 3, 4];
-const STAR: Colour = 5;
-/// The two bands of the road's surface and of its kerbs.
-pub(super) const ROAD: [Colour; 2] = [6, 7];
-pub(super) const KERB: [Colour; 2] = [8, 9];
-/// The broken line.
-pub(super) const LINE: Colour = 10;
+/// Bodies in the sky.
+pub(super) const STAR: Colour = 5;
+pub(super) const PLANETS: [Colour; 4] = [6, 7, 8, 9];
+/// The two bands of the road's kerbs, and its broken line.
+pub(super) const KERB: [Colour; 2] = [10, 11];
+pub(super) const LINE: Colour = 12;
 /// The kart's own nose.
-pub(super) const NOSE: Colour = 11;
+pub(super) const NOSE: Colour = 13;
+/// The two bands of the road's surface, in its different colours.
+pub(super) const ROADS: [[Colour; 2]; 5] = [[14, 15], [16, 17], [18, 19], [20, 21], [22, 23]];
 
 /// Red, green and blue of each colour, in sRGB.
-const PALETTE: [[u8; 3]; 12] = [
+const PALETTE: [[u8; 3]; 24] = [
     [6, 6, 18],
     [14, 14, 40],
     [70, 48, 120],
     [40, 30, 88],
     [18, 14, 52],
     [230, 230, 200],
-    [92, 92, 98],
-    [112, 112, 118],
+    [196, 128, 72],
+    [88, 160, 184],
+    [176, 80, 120],
+    [120, 176, 96],
     [200, 40, 36],
     [226, 226, 226],
     [232, 208, 90],
     [40, 120, 200],
+    [92, 92, 98],
+    [112, 112, 118],
+    [124, 84, 72],
+    [142, 100, 86],
+    [70, 96, 122],
+    [88, 114, 140],
+    [84, 108, 78],
+    [100, 126, 92],
+    [112, 84, 124],
+    [130, 100, 142],
 ];
 
 /// The colours as cells have them.
@@ -75,6 +89,8 @@ fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
 /// Points before they are made into cells.
 pub(super) struct Picture {
     points: [[Colour; WIDE]; HIGH],
+    /// Scratch: where the polygon at hand begins and ends in each row.
+    spans: [[f32; 2]; HIGH],
 }
 
 impl Picture {
@@ -92,7 +108,7 @@ impl Picture {
             };
             points.fill(colour);
         }
-        Picture { points }
+        Picture { points, spans: [[0.0; 2]; HIGH] }
     }
 
     /// Its middle.
@@ -100,10 +116,14 @@ impl Picture {
         [WIDE as f32 / 2.0, HIGH as f32 / 2.0]
     }
 
-    /// Paints a star of half a cell's area or so.
-    pub(super) fn star(&mut self, [x, y]: Point) {
-        let (from, to) = (sample(y - 1.5, HIGH), sample(y + 1.5, HIGH));
-        self.points[from..to].iter_mut().for_each(|row| row[sample(x - 1.5, WIDE)..sample(x + 1.5, WIDE)].fill(STAR));
+    /// Paints a disc.
+    pub(super) fn disc(&mut self, [x, y]: Point, radius: f32, colour: Colour) {
+        let (from, to) = (sample(y - radius, HIGH), sample(y + radius, HIGH));
+        for (row, points) in self.points[..to].iter_mut().enumerate().skip(from) {
+            let down = row as f32 + 0.5 - y;
+            let half = (radius * radius - down * down).max(0.0).sqrt();
+            points[sample(x - half, WIDE)..sample(x + half, WIDE)].fill(colour);
+        }
     }
 
     /// Paints a convex polygon: all points whose middle is inside, if its front is seen.
@@ -124,27 +144,28 @@ impl Picture {
         if from >= to || area >= 0.0 {
             return;
         }
-        let mut spans = [[f32::INFINITY, f32::NEG_INFINITY]; HIGH];
+        self.spans[from..to].fill([f32::INFINITY, f32::NEG_INFINITY]);
         for here in corners {
             let (upper, lower) = if last[1] < here[1] { (&last, here) } else { (here, &last) };
             let (first, end) = (sample(upper[1], HIGH), sample(lower[1], HIGH));
             let slant = (lower[0] - upper[0]) / (lower[1] - upper[1]);
-            for (row, span) in spans[first..end.max(first)].iter_mut().enumerate() {
+            for (row, span) in self.spans[first..end.max(first)].iter_mut().enumerate() {
                 let x = upper[0] + slant * ((first + row) as f32 + 0.5 - upper[1]);
                 *span = [span[0].min(x), span[1].max(x)];
             }
             last = *here;
         }
-        for (row, [left, right]) in self.points[from..to].iter_mut().zip(&spans[from..to]) {
+        for (row, [left, right]) in self.points[from..to].iter_mut().zip(&self.spans[from..to]) {
             let (left, right) = (sample(*left, WIDE), sample(*right, WIDE));
             row[left..right.max(left)].fill(colour);
         }
     }
 }
 
-/// The first of `count` points whose middle is not before `place`.
+/// The first of `count` points whose middle is behind `place`.
+#[inline]
 fn sample(place: f32, count: usize) -> usize {
-    ((place - 0.5).ceil().max(0.0) as usize).min(count)
+    ((place + 0.5).max(0.0) as i32 as usize).min(count)
 }
 
 impl Paint {
@@ -153,14 +174,18 @@ impl Paint {
         for (row, cells) in cells.chunks_exact_mut(3 * COLUMNS).enumerate() {
             let points: &[[Colour; WIDE]] = &picture.points[FINE * row..FINE * (row + 1)];
             for (column, cell) in cells.chunks_exact_mut(3).enumerate() {
-                let points = || points.iter().flat_map(|line| &line[FINE * column..FINE * (column + 1)]);
-                let first = points().next().copied().unwrap_or(0);
+                let mut lines = [[0; FINE]; FINE];
+                lines
+                    .iter_mut()
+                    .zip(points)
+                    .for_each(|(line, row)| line.copy_from_slice(&row[FINE * column..][..FINE]));
+                let first = lines[0][0];
                 // Most cells are of one colour.
-                let colour = if points().all(|point| *point == first) {
+                let colour = if lines == [[first; FINE]; FINE] {
                     self.whole[usize::from(first)]
                 } else {
                     let mut light = [0.0; 3];
-                    for point in points() {
+                    for point in lines.as_flattened() {
                         let more = self.light[usize::from(*point)];
                         light = [light[0] + more[0], light[1] + more[1], light[2] + more[2]];
                     }

@@ -14,9 +14,9 @@ pub const STICKS: u32 = 15;
 /// The stick's end to the left; its end to the right is one less than the opposite.
 const FULL: f64 = 32768.0;
 /// Decisions after which the driver sees what happened.
-const DELAY: usize = 3;
+const DELAY: usize = 2;
 /// Up to this, in radians, a bump in the road turns the nose at top speed.
-const BUMP: f64 = 0.012;
+const BUMP: f64 = 0.003;
 
 /// The joystick's number, from -32768 to 32767, in the middle of the class that `action` is: negative to the left.
 pub fn joystick(action: Action) -> i32 {

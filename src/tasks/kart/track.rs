@@ -12,7 +12,7 @@ use std::path::Path;
 pub const GRAMMAR: &str = include_str!("../../../grammars/tracks.grammar");
 
 /// Half the width of the road, in metres.
-pub const HALF_WIDTH: f64 = 4.0;
+pub const HALF_WIDTH: f64 = 2.5;
 
 /// No bend of a closed track is tighter than this radius, in metres.
 const TIGHTEST: f64 = 13.0;
