@@ -1,4 +1,4 @@
-//! A game: stay on a plank that sways.
+//! A game: stay on a plank that sways and is higher in the middle.
 
 use rollin::experiment::{Amount, Game, Goal, Length, Method, Outcome, Plan, Teaching};
 use rollin::learner::{CrossValidated, Net};
@@ -52,6 +52,8 @@ impl Space for Plank {
     fn step(&self, state: &mut Stand, action: Action, seed: Seed) -> f64 {
         let draw = |i| i32::from(seed.child(Purpose::Step, i).unit() < state.sway);
         state.place += (action.0 as i32 >> 1 & 1) - (action.0 as i32 & 1) + draw(0) - draw(1);
+        let slides = seed.child(Purpose::Step, 2).unit() < 0.5;
+        state.place += if slides { state.place.signum() } else { 0 };
         state.steps += 1;
         f64::from(u8::from(state.place.abs() > 10))
     }

@@ -10,6 +10,7 @@ use crate::seed::{Purpose, Seed};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::Path;
 
 /// The grammar of the levels that come with the crate: `grammars/platformer.levels`.
@@ -203,10 +204,21 @@ impl Builder {
         ROWS - 1 - self.below(4)
     }
 
-    /// Fills `columns` with `tile` from row `top` down to before row `bottom`.
-    fn fill(&mut self, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>, tile: Tile) {
+    /// Fills `rows` of `columns` with `tile`.
+    fn fill(&mut self, columns: Range<usize>, rows: Range<usize>, tile: Tile) {
         for column in columns {
             rows.clone().for_each(|row| self.level.set(column, row, tile));
+        }
+    }
+
+    /// A hill behind all that is there.
+    fn hill(&mut self, columns: Range<usize>, top: usize, floor: usize) {
+        for column in columns {
+            for row in top..floor {
+                if self.level.tile(column, row) == Tile::Empty {
+                    self.level.set(column, row, if row == top { Tile::HillTop } else { Tile::Hill });
+                }
+            }
         }
     }
 
@@ -256,8 +268,7 @@ impl Builder {
             }
             (sides[left], sides[right]) = (true, true);
             let columns = from + left..from + right;
-            self.fill(columns.clone(), top + 1..floor, Tile::Hill);
-            self.fill(columns.clone(), top..top + 1, Tile::HillTop);
+            self.hill(columns.clone(), top, floor);
             self.enemies(columns.clone(), top);
             if self.chance(1, 4) {
                 self.decorate(columns.start - 1, columns.end + 1, top);
@@ -330,7 +341,7 @@ impl Builder {
     }
 
     /// Each of `columns` may have an enemy that stands on row `floor`.
-    fn enemies(&mut self, columns: std::ops::Range<usize>, floor: usize) {
+    fn enemies(&mut self, columns: Range<usize>, floor: usize) {
         for column in columns {
             if !self.chance(self.difficulty + 1, 35) {
                 continue;

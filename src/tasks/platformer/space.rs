@@ -14,6 +14,9 @@ use std::sync::Arc;
 /// Frames for which an action holds its buttons.
 pub const HOLD: u32 = 4;
 
+/// The longest game that can be asked for, in frames: over an hour.
+const MOST_FRAMES: u32 = 100_000;
+
 /// How many actions there are: each set of buttons, as [`Buttons`] numbers them.
 pub const ACTIONS: usize = 16;
 
@@ -23,7 +26,7 @@ pub const ACTIONS: usize = 16;
 pub struct Settings {
     /// Episode i is played at difficulty number i of these, from the front again after the last.
     pub difficulties: Vec<Difficulty>,
-    /// Frames, of which there are 24 in a second, after which a game is over: at least 1.
+    /// Frames, of which there are 24 in a second, after which a game is over: from 1 to 100,000.
     pub limit: u32,
     /// What the runner can bear at the start.
     pub mode: Mode,
@@ -128,13 +131,13 @@ impl Platformer {
     /// The game on `levels`.
     ///
     /// # Errors
-    /// When there is no difficulty or no time.
+    /// When there is no difficulty, or the time is out of its range.
     pub fn new(levels: Levels, settings: Settings) -> Result<Self> {
         if settings.difficulties.is_empty() {
             return Err(Error::argument("difficulties", "empty", "at least one difficulty"));
         }
-        if settings.limit == 0 {
-            return Err(Error::argument("limit", 0, "at least 1 frame"));
+        if !(1..=MOST_FRAMES).contains(&settings.limit) {
+            return Err(Error::argument("limit", settings.limit, format!("from 1 to {MOST_FRAMES} frames")));
         }
         Ok(Platformer { levels, settings, table: FeatureTable::new(FEATURES) })
     }
