@@ -205,7 +205,7 @@ impl Racing {
         let searn = Amount { episodes: 1, length: Length::Short(if quick { 20 } else { 60 }) };
         let amount = Amount { episodes: if quick { 1 } else { 3 }, length: Length::Game };
         let methods = methods(&learner, amount, [forward, searn]);
-        // Reuse needs episodes that are cut alike.
+        // The paper reuses nothing here; one kind of it is enough.
         let methods = methods.into_iter().filter(|method| method.name != "smile-4.3").collect();
         Ok(Plan { game: Self::NAME.into(), seed, trainings, games: if quick { 10 } else { 20 }, methods })
     }

@@ -143,7 +143,11 @@ impl<G: Game> Lab<'_, G> {
         self.open()?;
         let trials: Vec<(&Method, u64)> =
             self.plan.methods.iter().flat_map(|method| (0..self.plan.trainings).map(move |k| (method, k))).collect();
-        let work = |method: &Method| (1..=method.teaching.rounds()).map(|i| self.weight(method, i) + 1).sum::<u64>();
+        let work = |method: &Method| {
+            let rounds = method.teaching.rounds();
+            let learning: u64 = (1..=rounds).map(|i| self.weight(method, i)).sum();
+            learning + (method.teaching.first()..=rounds).count() as u64
+        };
         let done =
             Mutex::new(Tick { done: 0, all: trials.iter().map(|(method, _)| work(method)).sum(), what: String::new() });
         let tick = |weight: u64, what: String| {
@@ -204,19 +208,15 @@ impl<G: Game> Lab<'_, G> {
             tick.tick(self.weight(method, i + 1), what);
         };
         let (nets, ledgers) = self.train(method, &answers, seed, &told)?;
-        let points = match &method.teaching {
-            Teaching::Forward(_) => vec![nets.len()],
-            _ => (1..=nets.len()).collect(),
-        };
-        let point = |round: &usize| {
+        let point = |round: usize| {
             let path = folder.as_ref().map(|folder| folder.join(format!("point-{round}.json")));
             let point = match path.as_deref().map(read::<Point>).transpose()?.flatten() {
                 Some(point) => point,
                 None => {
-                    let driver = policy(&method.teaching, nets[..*round].iter().collect());
+                    let driver = policy(&method.teaching, nets[..round].iter().collect());
                     let grades = self.measure(&driver, *training)?;
                     let (ledger, method) = (ledgers[round - 1], method.name.clone());
-                    let point = Point { method, training: *training, round: *round, ledger, grades };
+                    let point = Point { method, training: *training, round, ledger, grades };
                     path.as_deref().map_or(Ok(()), |path| write(path, &point))?;
                     point
                 }
@@ -224,7 +224,9 @@ impl<G: Game> Lab<'_, G> {
             tick.tick(1, format!("{} {training}: measured {round} of {rounds}", method.name));
             Ok(point)
         };
-        let points = points.iter().map(point).collect::<Result<_>>()?;
+        // Forward training ends with the longest game, which may be shorter than what it was to learn.
+        let first = method.teaching.first().min(nets.len()).max(1);
+        let points = (first..=nets.len()).map(point).collect::<Result<_>>()?;
         Ok((points, policy(&method.teaching, nets.iter().collect()).map(Clone::clone)))
     }
 

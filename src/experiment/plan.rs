@@ -86,6 +86,11 @@ impl Teaching {
         }
     }
 
+    /// The first round after which there is a policy to be measured: forward training has one only at its end.
+    pub(super) fn first(&self) -> usize {
+        if let Teaching::Forward(trainer) = self { trainer.longest } else { 1 }
+    }
+
     /// Whether learning gets longer from round to round, the examples of all before being learned from again.
     pub(super) fn aggregates(&self) -> bool {
         matches!(self, Teaching::Supervised(_) | Teaching::Dagger(_))

@@ -94,3 +94,37 @@ impl Logistic {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learner::Target;
+    use crate::space::{Action, Actions};
+
+    /// The gradient in the bits against differences of the logistic loss over the legal actions.
+    #[test]
+    fn the_gradient_of_bits_is_that_of_the_loss() {
+        let logistic = Logistic { outputs: Outputs::Bits, tolerance: 0.0, ..Logistic::default() };
+        let some = [Action(1), Action(2), Action(6)];
+        for legal in [Actions::All(7), Actions::Only(&some)] {
+            let lesson = Lesson { actions: 7, legal, target: Target::Label(Action(6)) };
+            let columns = [0.5f32, -1.0, 0.25];
+            let loss = |columns: &[f32]| {
+                let score =
+                    |a: u32| (0..3).filter(|bit| a >> bit & 1 == 1).map(|bit| f64::from(columns[bit])).sum::<f64>();
+                legal.iter().map(|a| score(a.0).exp()).sum::<f64>().ln() - score(6)
+            };
+            let mut gradient = [0.0; 3];
+            assert!(logistic.gradient(lesson, &columns, &mut gradient));
+            for bit in 0..3 {
+                let [up, down] = [1e-2, -1e-2].map(|by| {
+                    let mut moved = columns;
+                    moved[bit] += by;
+                    loss(&moved)
+                });
+                let expected = (up - down) / 2e-2;
+                assert!((f64::from(gradient[bit]) - expected).abs() < 1e-4, "{bit}: {} for {expected}", gradient[bit]);
+            }
+        }
+    }
+}

@@ -1,6 +1,8 @@
 //! Experiments on a game so small that all is over in no time.
 
 mod balance;
+#[cfg(feature = "cli")]
+mod cli;
 mod resume;
 
 use balance::{Balance, plan};
