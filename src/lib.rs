@@ -43,7 +43,8 @@
 //! | [`trainer`] | one short file an algorithm, in the order of its listing |
 //! | [`theory`] | what can be said beforehand |
 //! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers and templates, grammars with exact answers, measures |
-//! | [`tasks`] | sequence tagging, dependency parsing, graph labelling, navigation, tabular problems; what a task is to the program, and model files |
+//! | [`tasks`] | sequence tagging, dependency parsing, graph labelling, navigation, a platform game, a kart, tabular problems; what a task is to the program, and model files |
+//! | [`experiment`] | the paper's two experiments, on games, and replays of them |
 //! | [`report`], `cli` | tables; the program |
 //! | [`guide`] | chapters: [what the theorems say](guide::theorems), [what a token costs](guide::speed) |
 
@@ -51,6 +52,7 @@
 pub mod cli;
 pub mod corpus;
 pub mod error;
+pub mod experiment;
 pub mod grammar;
 pub mod guide;
 mod index;

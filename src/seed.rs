@@ -58,6 +58,11 @@ impl Seed {
         (mix(self.0 ^ 0x1319_8a2e_0370_7344) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
+    /// The number that tells this node apart from all others.
+    pub(crate) fn number(self) -> u64 {
+        self.0
+    }
+
     /// A generator that starts from this node, for longer streams: ChaCha8, portable and fixed for all time.
     pub fn rng(self) -> ChaCha8Rng {
         ChaCha8Rng::seed_from_u64(self.0)

@@ -196,7 +196,7 @@ impl TrainerOptions {
     /// The trainer of this name with these settings.
     pub fn trainer(&self, algorithm: Algorithm) -> Trainer {
         match algorithm {
-            Algorithm::Supervised => Trainer::Supervised(Supervised {}),
+            Algorithm::Supervised => Trainer::Supervised(Supervised::default()),
             Algorithm::Forward => {
                 let longest = self.longest.unwrap_or(Forward::default().longest);
                 Trainer::Forward(Forward { warm: self.warm, longest })
@@ -230,6 +230,7 @@ impl TrainerOptions {
             rounds: self.rounds.unwrap_or(default.rounds),
             warm: self.warm,
             reuse: self.reuse.map_or(default.reuse, Reuse::from),
+            piece: None,
         }
     }
 

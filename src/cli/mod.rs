@@ -5,7 +5,9 @@
 
 mod algorithms;
 mod compare;
+mod drive;
 mod evaluate;
+mod experiment;
 mod generate;
 mod inspect;
 mod options;
@@ -80,6 +82,10 @@ enum Command {
     Inspect(inspect::Inspect),
     /// Exact values, bounds and bills in advance
     Theory(theory::Theory),
+    /// Run the experiments of Ross & Bagnell (2010) on two games
+    Experiment(experiment::Experiment),
+    /// Let what an experiment learned play a game, and write a page to watch it
+    Drive(drive::Drive),
 }
 
 /// Runs the program with the arguments of the process.
@@ -108,6 +114,8 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Generate(command) => command.run(&cli.global),
         Command::Inspect(command) => command.run(&cli.global),
         Command::Theory(command) => command.run(&cli.global),
+        Command::Experiment(command) => command.run(&cli.global),
+        Command::Drive(command) => command.run(&cli.global),
     }
 }
 

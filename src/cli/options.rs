@@ -234,7 +234,7 @@ impl LearnerOptions {
                 let default = Logistic::default();
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
                 let tolerance = self.tolerance.unwrap_or(default.tolerance);
-                AnyLearner::Logistic(Logistic { passes, rate, l2, tolerance })
+                AnyLearner::Logistic(Logistic { passes, rate, l2, tolerance, ..Logistic::default() })
             }
             LearnerName::Csoaa => {
                 let default = Csoaa::default();

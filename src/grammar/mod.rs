@@ -141,7 +141,16 @@ impl Grammar {
     ///
     /// [`Error::Data`], with the place, for whatever the module's page says is refused.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self> {
-        compile::compile(&Tree::parse(path, text)?)
+        Grammar::compile(&Tree::parse(path, text)?)
+    }
+
+    /// The grammar that was read as `tree`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Grammar::parse`].
+    pub fn compile(tree: &Tree) -> Result<Self> {
+        compile::compile(tree)
     }
 
     /// The grammar written in the file `path`.

@@ -2,7 +2,7 @@
 
 use super::{Examples, Setting, reduce};
 use crate::policy::{Calibrated, Classifier};
-use crate::space::{Features, Sight};
+use crate::space::{Features, Sight, Store};
 use serde::Serialize;
 
 /// Temperatures that are looked at.
@@ -78,10 +78,7 @@ fn each(
 ) {
     let mut view = Features::default();
     for i in 0..examples.len() {
-        let (row, dynamic) = examples.views().get(i);
-        view.row = row;
-        view.dynamic.clear();
-        view.dynamic.extend_from_slice(dynamic);
+        examples.views().recall(i, &mut view);
         let legal = examples.legal(i);
         let (label, importance) = reduce::as_label(examples.target(i), legal);
         if importance > 0.0 {

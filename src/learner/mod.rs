@@ -3,7 +3,7 @@
 //! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`], [`Net`], and [`Ridge`] for actions that are values) learn labels, cost-sensitive
 //! ones ([`Csoaa`], [`Wap`], [`FilterTree`], [`Svm`], [`CrammerSinger`], [`CostTree`]) costs. The two reductions of [`reduce`] let each learn from the
 //! other's examples, so every trainer runs with every learner; those that learn example by example ([`Online`]) also while acting.
-//! [`calibrate`] makes probabilities of a classifier's scores.
+//! [`CrossValidated`] finds how often to go over the examples; [`calibrate`] makes probabilities of a classifier's scores.
 //!
 //! # Writing one
 //! A learner that is a loss on linear scores is a [`Rule`]: one file with the loss's gradient, and the rest (passes, warm starts,
@@ -12,9 +12,11 @@
 mod calibrate;
 mod costtree;
 mod crammer;
+mod crossvalidated;
 mod csoaa;
 mod dual;
 mod examples;
+mod inlet;
 mod linear;
 mod logistic;
 mod net;
@@ -29,9 +31,11 @@ mod wap;
 pub use calibrate::{Reliability, calibrate};
 pub use costtree::CostTree;
 pub use crammer::{CrammerCourse, CrammerSinger};
+pub use crossvalidated::CrossValidated;
 pub use csoaa::Csoaa;
 pub use dual::Steps;
 pub use examples::{Examples, Target};
+pub use inlet::{Full, Inlet, Sensed, Sparse};
 pub use linear::{Course, Descent, Lesson, Rule};
 pub use logistic::Logistic;
 pub use net::{Net, NetCourse, Step};
@@ -44,7 +48,7 @@ pub use wap::Wap;
 
 use crate::policy::Classifier;
 use crate::seed::Seed;
-use crate::space::{Action, Problem, Sight, Space, View};
+use crate::space::{Action, Problem, Sight, Space, Store, View};
 
 /// What a learner must know of a space.
 pub struct Setting<'a, V: View> {
@@ -100,6 +104,22 @@ pub trait Online<V: View>: Learner<V> {
 
     /// Learns from all of `examples` once, in their order.
     fn study(&self, course: &mut Self::Course, setting: Setting<'_, V>, examples: &Examples<V>);
+
+    /// Learns from the examples numbered in `order`, one after the other.
+    fn study_some(&self, course: &mut Self::Course, setting: Setting<'_, V>, examples: &Examples<V>, order: &[u32]) {
+        let mut view = V::default();
+        for &i in order {
+            let i = i as usize;
+            examples.views().recall(i, &mut view);
+            let sight = Sight { shared: setting.shared, view: &view, legal: examples.legal(i) };
+            self.learn(course, &sight, Some(examples.target(i)));
+        }
+    }
+
+    /// Gives a course that has just begun a `seed` of its own, where it draws anything.
+    fn seed(&self, course: &mut Self::Course, seed: Seed) {
+        let _ = (course, seed);
+    }
 
     /// What has been learned.
     fn finish(&self, course: Self::Course) -> Self::Classifier;

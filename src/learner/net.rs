@@ -1,10 +1,10 @@
 //! A net of one hidden layer, by backpropagation.
 
-use super::{Examples, Learner, Lesson, Online, Setting, Target, reduce};
-use crate::policy::{Classifier, Columns, Linear, Neural, NeuralMemory, Weights, forward};
-use crate::seed::{Purpose, Seed};
+use super::inlet::{BESIDE, Inlet, Sensed};
+use super::{Examples, Learner, Online, Setting, Target, reduce};
+use crate::policy::{Classifier, Layer, Neural, NeuralMemory, Outputs, forward};
+use crate::seed::Seed;
 use crate::space::{Action, Features, Sight};
-use rand::RngExt;
 use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
@@ -20,11 +20,14 @@ pub enum Step {
     Adam,
 }
 
-/// A net of one hidden layer of sigmoid units over sparse binary input ([`Neural`]), by backpropagation in small batches; its loss is the
-/// logistic loss over the legal actions. A 0-1 learner.
+/// A net of one hidden layer of sigmoid units ([`Neural`]) over sparse binary features or dense numbers, by backpropagation in small batches; its
+/// loss is the logistic loss over the legal actions. A 0-1 learner. Without hidden units it is logistic regression.
+///
+/// The nets of Ross & Bagnell (2010, section 5) are 1296-32-15, `Net { units: 32, ..Net::default() }` over [`Dense`](crate::space::Dense), and
+/// 27152-32-4, the same with [`Outputs::Bits`] over [`Features`], each stopped by [`CrossValidated`](super::CrossValidated).
 ///
 /// What a unit first gives a feature is drawn evenly from ±1/√n, n the number of features of the example in which it first occurs. A classifier of
-/// another width to start from is not used.
+/// another shape to start from is not used.
 ///
 /// ```
 /// use rollin::learner::Net;
@@ -39,8 +42,10 @@ pub enum Step {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Net {
-    /// Units of the hidden layer.
+    /// Units of the hidden layer; with 0 there is none.
     pub units: usize,
+    /// What the outputs are.
+    pub outputs: Outputs,
     /// Passes over the examples.
     pub passes: usize,
     /// Examples a batch.
@@ -53,109 +58,79 @@ pub struct Net {
 
 impl Default for Net {
     fn default() -> Self {
-        Net { units: 64, passes: 10, batch: 16, rate: 0.005, step: Step::Adam }
-    }
-}
-
-/// What is kept of weights beside them: their gradient in the batch, its running mean and that of its square, one behind the other, each as
-/// long as the weights.
-const BESIDE: usize = 3;
-
-/// The weights of the input.
-#[derive(Clone, Debug)]
-struct Input {
-    weights: Weights,
-    /// What is kept beside them, row after row as in the weights.
-    beside: Vec<f32>,
-}
-
-impl Input {
-    /// The weights of `feature` and what is kept beside them.
-    fn row(&mut self, feature: u32) -> (&mut [f32], &mut [f32]) {
-        let (place, width) = (self.weights.make_place(feature), BESIDE * self.weights.stride());
-        if self.beside.len() < (place + 1) * width {
-            self.beside.resize((place + 1) * width, 0.0);
-        }
-        (self.weights.row_mut(feature), &mut self.beside[place * width..(place + 1) * width])
+        Net { units: 64, outputs: Outputs::Actions, passes: 10, batch: 16, rate: 0.005, step: Step::Adam }
     }
 }
 
 /// A net in the making.
 #[derive(Clone, Debug)]
-pub struct NetCourse {
+pub struct NetCourse<V: Sensed = Features> {
     seed: Seed,
-    input: Input,
+    inlet: V::Inlet,
     /// What [`Neural`] has but for its input.
     dense: Vec<f32>,
     /// What is kept beside that.
     beside: Vec<f32>,
     actions: usize,
+    coding: Outputs,
+    hidden: usize,
+    /// What goes into the units, then what they give; padded.
     units: Vec<f32>,
+    outputs: Vec<f32>,
     scores: Vec<f32>,
-    /// The slopes of the loss at what goes into the units.
+    /// The slopes of the loss at the outputs.
+    errors: Vec<f32>,
+    /// Those at what goes into the units; padded.
     slopes: Vec<f32>,
-    /// The features of the batch, each once, in the order of their first occurrence.
-    touched: Vec<u32>,
-    /// The last batch each feature was in, from 1.
-    batches: Vec<u32>,
     pending: usize,
     /// The number of the batch at hand, from 1.
-    time: u32,
+    time: i32,
 }
 
-impl NetCourse {
-    /// What the net gives for the features at hand.
-    fn score(&mut self, fixed: &[u32], dynamic: &[u32]) {
-        for &feature in fixed.iter().chain(dynamic) {
-            if self.input.weights.row(feature).is_none() {
-                let scale = 1.0 / ((fixed.len() + dynamic.len()) as f32).sqrt();
-                let mut rng = self.seed.child(Purpose::Learner, u64::from(feature)).rng();
-                let (row, _) = self.input.row(feature);
-                row[..self.units.len()].iter_mut().for_each(|w| *w = scale * (2.0 * rng.random::<f32>() - 1.0));
-            }
-        }
-        self.slopes.clear();
-        self.slopes.resize(self.input.weights.stride(), 0.0);
-        self.input.weights.add_to(fixed, &mut self.slopes);
-        self.input.weights.add_to(dynamic, &mut self.slopes);
-        let width = self.units.len();
-        self.units.copy_from_slice(&self.slopes[..width]);
-        forward(&self.dense, &mut self.units, &mut self.scores);
+impl<V: Sensed> NetCourse<V> {
+    /// What the net gives for what is seen at `sight`.
+    fn score(&mut self, sight: &Sight<'_, V>) {
+        self.inlet.meet(sight, self.seed);
+        self.inlet.layer().clear(&mut self.units);
+        self.inlet.layer().add(sight, &mut self.units);
+        forward(&self.dense, self.hidden, &mut self.units, &mut self.outputs);
+        self.coding.scores(self.actions, &self.outputs, &mut self.scores);
     }
 
     /// Adds the gradient of the example that was scored last to the batch's.
-    fn backward(&mut self, fixed: &[u32], dynamic: &[u32], lesson: Lesson<'_>) -> bool {
-        let (label, importance) = reduce::as_label(lesson.target, lesson.legal);
+    fn backward(&mut self, sight: &Sight<'_, V>, target: Target<'_>) -> bool {
+        let (label, importance) = reduce::as_label(target, sight.legal);
         if importance == 0.0 {
             return false;
         }
-        let width = self.units.len();
-        let w = &self.dense[width + self.actions..];
-        let (bias, rest) = self.beside[..self.dense.len()].split_at_mut(width);
-        let (offsets, outputs) = rest.split_at_mut(self.actions);
-        let high = self.scores[lesson.legal.best(&self.scores).index()];
-        let total: f32 = lesson.legal.iter().map(|a| (self.scores[a.index()] - high).exp()).sum();
-        self.slopes.fill(0.0);
-        for action in lesson.legal.iter() {
-            let a = action.index();
-            let share = (self.scores[a] - high).exp() / total;
+        let high = self.scores[sight.legal.best(&self.scores).index()];
+        let total: f32 = sight.legal.iter().map(|a| (self.scores[a.index()] - high).exp()).sum();
+        self.errors.fill(0.0);
+        for action in sight.legal.iter() {
+            let share = (self.scores[action.index()] - high).exp() / total;
             let slope = importance * (share - if action == label { 1.0 } else { 0.0 });
-            offsets[a] += slope;
-            let row = a * width..(a + 1) * width;
-            outputs[row.clone()].iter_mut().zip(&self.units).for_each(|(g, h)| *g += slope * h);
-            self.slopes.iter_mut().zip(&w[row]).for_each(|(sum, v)| *sum += slope * v);
+            self.coding.add_slope(action.index(), slope, &mut self.errors);
         }
-        for ((slope, h), g) in self.slopes.iter_mut().zip(&self.units).zip(bias) {
-            *slope *= h * (1.0 - h);
-            *g += *slope;
-        }
-        for &feature in fixed.iter().chain(dynamic) {
-            let (_, g) = self.input.row(feature);
-            g.iter_mut().zip(&self.slopes).for_each(|(g, slope)| *g += slope);
-            if std::mem::replace(&mut self.batches[feature as usize], self.time) != self.time {
-                self.touched.push(feature);
+        self.slopes.clear();
+        self.slopes.resize(self.units.len(), 0.0);
+        let (bias, rest) = self.beside[..self.dense.len()].split_at_mut(self.hidden);
+        let (offsets, weights) = rest.split_at_mut(self.errors.len());
+        offsets.iter_mut().zip(&self.errors).for_each(|(g, slope)| *g += slope);
+        if self.hidden == 0 {
+            self.slopes[..self.errors.len()].copy_from_slice(&self.errors);
+        } else {
+            let v = &self.dense[self.hidden + self.errors.len()..];
+            let rows = weights.chunks_exact_mut(self.hidden).zip(v.chunks_exact(self.hidden));
+            for ((g, v), error) in rows.zip(&self.errors).filter(|(_, error)| **error != 0.0) {
+                g.iter_mut().zip(&self.units).for_each(|(g, h)| *g += error * h);
+                self.slopes.iter_mut().zip(v).for_each(|(sum, v)| *sum += error * v);
+            }
+            for ((slope, h), g) in self.slopes.iter_mut().zip(&self.units).zip(bias) {
+                *slope *= h * (1.0 - h);
+                *g += *slope;
             }
         }
+        self.inlet.learn(sight, &self.slopes);
         self.pending += 1;
         true
     }
@@ -163,17 +138,15 @@ impl NetCourse {
 
 impl Net {
     /// Changes the weights by the mean gradient of the batch, which begins anew.
-    fn step(&self, course: &mut NetCourse) {
+    fn step<V: Sensed>(&self, course: &mut NetCourse<V>) {
         if course.pending == 0 {
             return;
         }
-        let (share, time) = (1.0 / course.pending as f32, course.time as i32);
-        for feature in course.touched.drain(..) {
-            self.change(course.input.row(feature), share, time);
-        }
+        let (share, time) = (1.0 / course.pending as f32, course.time);
+        course.inlet.step(|weights, beside| self.change((weights, beside), share, time));
         self.change((&mut course.dense, &mut course.beside), share, time);
         course.pending = 0;
-        course.time += 1;
+        course.time = course.time.saturating_add(1);
     }
 
     /// Changes the weights `w` by what is kept `beside` them; the gradient counts `share` of itself and is zero after.
@@ -181,172 +154,221 @@ impl Net {
         let width = w.len();
         let (g, rest) = beside.split_at_mut(width);
         let (means, squares) = rest.split_at_mut(width);
-        let (first, second) = (1.0 - 0.9f32.powi(time), 1.0 - 0.999f32.powi(time));
-        for i in 0..width {
-            let slope = share * std::mem::take(&mut g[i]);
-            match self.step {
-                Step::Adagrad => {
-                    squares[i] += slope * slope;
-                    w[i] -= self.rate * slope / (squares[i].sqrt() + 1e-8);
-                }
-                Step::Adam => {
-                    means[i] += 0.1 * (slope - means[i]);
-                    squares[i] += 0.001 * (slope * slope - squares[i]);
-                    w[i] -= self.rate * (means[i] / first) / ((squares[i] / second).sqrt() + 1e-8);
-                }
+        let all = w.iter_mut().zip(g).zip(means).zip(squares);
+        let rate = self.rate;
+        match self.step {
+            Step::Adagrad => all.for_each(|(((w, g), _), square)| {
+                let slope = share * std::mem::take(g);
+                *square += slope * slope;
+                *w -= rate * slope / (square.sqrt() + 1e-8);
+            }),
+            Step::Adam => {
+                // Divided by once, multiplied with often.
+                let (rate, second) = (rate / (1.0 - 0.9f32.powi(time)), 1.0 / (1.0 - 0.999f32.powi(time)));
+                all.for_each(|(((w, g), mean), square)| {
+                    let slope = share * std::mem::take(g);
+                    *mean += 0.1 * (slope - *mean);
+                    *square += 0.001 * (slope * slope - *square);
+                    *w -= rate * *mean / ((*square * second).sqrt() + 1e-8);
+                });
             }
         }
-    }
-
-    /// Learns from the example that was scored last, at the end of a batch at once.
-    fn learn(&self, course: &mut NetCourse, fixed: &[u32], dynamic: &[u32], lesson: Lesson<'_>) {
-        if course.backward(fixed, dynamic, lesson) && course.pending >= self.batch {
-            self.step(course);
-        }
-    }
-
-    /// Learns from example `i`.
-    fn take(&self, course: &mut NetCourse, setting: Setting<'_, Features>, examples: &Examples<Features>, i: usize) {
-        let (row, dynamic) = examples.views().get(i);
-        let fixed = setting.shared.row(row);
-        course.score(fixed, dynamic);
-        let lesson = Lesson { actions: setting.actions, legal: examples.legal(i), target: examples.target(i) };
-        self.learn(course, fixed, dynamic, lesson);
     }
 }
 
 /// The weights as they are now; features not met so far count nothing.
-impl Classifier<Features> for NetCourse {
-    type Memory = NeuralMemory;
+impl<V: Sensed> Classifier<V> for NetCourse<V> {
+    type Memory = NeuralMemory<<V::Layer as Layer<V>>::Memory>;
 
-    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut NeuralMemory) -> &'m [f32] {
-        memory.scores((&self.input.weights, &self.dense), (self.units.len(), self.actions), sight)
+    fn scores<'m>(&self, sight: &Sight<'_, V>, memory: &'m mut Self::Memory) -> &'m [f32] {
+        memory.scores(self.inlet.layer(), &self.dense, (self.hidden, self.coding, self.actions), sight)
     }
 }
 
-impl Learner<Features> for Net {
-    type Classifier = Neural;
+impl<V: Sensed> Learner<V> for Net {
+    type Classifier = Neural<V::Layer>;
 
     fn fit(
         &self,
-        setting: Setting<'_, Features>,
-        examples: &Examples<Features>,
-        warm: Option<&Neural>,
+        setting: Setting<'_, V>,
+        examples: &Examples<V>,
+        warm: Option<&Self::Classifier>,
         seed: Seed,
-    ) -> Neural {
+    ) -> Self::Classifier {
         let mut course = self.begin(setting, warm);
-        course.seed = seed;
+        self.seed(&mut course, seed);
         let mut order: Vec<u32> = (0..examples.len() as u32).collect();
         let mut rng = seed.rng();
         for _ in 0..self.passes {
             order.shuffle(&mut rng);
-            for &i in &order {
-                self.take(&mut course, setting, examples, i as usize);
-            }
+            self.study_some(&mut course, setting, examples, &order);
         }
         self.finish(course)
     }
 }
 
-impl Online<Features> for Net {
-    type Course = NetCourse;
+impl<V: Sensed> Online<V> for Net {
+    type Course = NetCourse<V>;
 
     /// Without a seed of its own every course draws the same first weights.
-    fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Neural>) -> NetCourse {
-        let (features, actions) = (setting.shared.features(), setting.actions);
-        let mut input = Input { weights: Weights::new(features, self.units), beside: Vec::new() };
-        let mut dense = vec![0.0; Neural::size(self.units, actions)];
-        if let Some(warm) = warm.filter(|warm| warm.units() == self.units && warm.actions() == actions) {
+    fn begin(&self, setting: Setting<'_, V>, warm: Option<&Self::Classifier>) -> NetCourse<V> {
+        let (actions, outputs) = (setting.actions, self.outputs.count(setting.actions));
+        let warm =
+            warm.filter(|warm| warm.units == self.units && warm.actions == actions && warm.outputs == self.outputs);
+        let mut dense = vec![0.0; Neural::<V::Layer>::size(self.units, outputs)];
+        if let Some(warm) = warm {
             dense.copy_from_slice(&warm.dense);
-            for feature in 0..warm.input.weights.features() as u32 {
-                if let Some(row) = warm.input.weights.row(feature) {
-                    input.row(feature).0.copy_from_slice(row);
-                }
-            }
         }
+        let columns = if self.units == 0 { outputs } else { self.units };
         NetCourse {
             seed: Seed::new(0),
-            input,
+            inlet: V::Inlet::begin(setting, columns, warm.map(|warm| &warm.input)),
             beside: vec![0.0; BESIDE * dense.len()],
             dense,
             actions,
-            units: vec![0.0; self.units],
-            scores: vec![0.0; actions],
+            coding: self.outputs,
+            hidden: self.units,
+            units: Vec::new(),
+            outputs: vec![0.0; outputs],
+            scores: Vec::new(),
+            errors: vec![0.0; outputs],
             slopes: Vec::new(),
-            touched: Vec::new(),
-            batches: vec![0; features],
             pending: 0,
             time: 1,
         }
     }
 
-    fn learn(&self, course: &mut NetCourse, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
-        let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
-        course.score(fixed, dynamic);
+    fn learn(&self, course: &mut NetCourse<V>, sight: &Sight<'_, V>, target: Option<Target<'_>>) -> Action {
+        course.score(sight);
         let choice = sight.legal.best(&course.scores);
-        if let Some(target) = target {
-            self.learn(course, fixed, dynamic, Lesson { actions: course.actions, legal: sight.legal, target });
+        if let Some(target) = target
+            && course.backward(sight, target)
+            && course.pending >= self.batch
+        {
+            self.step(course);
         }
         choice
     }
 
-    fn study(&self, course: &mut NetCourse, setting: Setting<'_, Features>, examples: &Examples<Features>) {
-        (0..examples.len()).for_each(|i| self.take(course, setting, examples, i));
+    fn study(&self, course: &mut NetCourse<V>, setting: Setting<'_, V>, examples: &Examples<V>) {
+        let order: Vec<u32> = (0..examples.len() as u32).collect();
+        self.study_some(course, setting, examples, &order);
     }
 
-    fn finish(&self, mut course: NetCourse) -> Neural {
+    fn seed(&self, course: &mut NetCourse<V>, seed: Seed) {
+        course.seed = seed;
+    }
+
+    fn finish(&self, mut course: NetCourse<V>) -> Neural<V::Layer> {
         self.step(&mut course);
-        let weights = course.input.weights.map_rows(|_, _| {});
-        let input = Linear { actions: self.units, columns: Columns::Actions, weights };
-        Neural { input, dense: course.dense }
+        Neural {
+            actions: course.actions,
+            outputs: course.coding,
+            units: course.hidden,
+            input: course.inlet.finish(),
+            dense: course.dense,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::{Actions, FeatureTable};
+    use crate::space::{Actions, Dense, FeatureTable, NO_ROW, Width};
 
-    /// The gradient of one example against differences of the loss, weight by weight.
-    #[test]
-    fn the_gradient_is_that_of_the_loss() {
-        let (table, net) = (FeatureTable::new(3), Net { units: 4, batch: usize::MAX, ..Net::default() });
-        let mut course = net.begin(Setting { shared: &table, actions: 3 }, None);
+    /// How far the steps of a difference go.
+    const STEP: f32 = 1e-2;
+
+    /// The gradient of one example against differences of the loss, weight by weight: first those behind the hidden layer, then some of
+    /// the input's, each found in the inlet, weight and gradient, by `at`.
+    fn check<V: Sensed>(
+        net: &Net,
+        setting: Setting<'_, V>,
+        view: &V,
+        legal: Actions<'_>,
+        places: &[(u32, usize)],
+        at: impl Fn(&mut V::Inlet, (u32, usize)) -> (&mut f32, f32),
+    ) -> NetCourse<V> {
+        let sight = Sight { shared: setting.shared, view, legal };
+        let costs: Vec<f32> = (0..legal.len()).map(|place| if place == 1 { 0.0 } else { 1.5 }).collect();
+        let label = legal.nth(1).index();
+        let mut course = net.begin(setting, None);
         course.dense.iter_mut().enumerate().for_each(|(i, w)| *w = (i as f32).sin());
-        let legal = [Action(0), Action(2)];
-        let costs = Target::Costs(&[1.5, 0.0]);
-        let lesson = Lesson { actions: 3, legal: Actions::Only(&legal), target: costs };
-        let loss = |course: &mut NetCourse| {
-            course.score(&[0], &[2]);
+        let loss = |course: &mut NetCourse<V>| {
+            course.score(&sight);
             let total: f64 = legal.iter().map(|a| f64::from(course.scores[a.index()]).exp()).sum();
-            1.5 * (total.ln() - f64::from(course.scores[2]))
+            1.5 * (total.ln() - f64::from(course.scores[label]))
         };
         loss(&mut course);
-        assert!(course.backward(&[0], &[2], lesson));
-        let step = 1e-2f32;
-        let near = |found: f32, up: f64, down: f64| {
-            let expected = (up - down) / (2.0 * f64::from(step));
+        assert!(course.backward(&sight, Target::Costs(&costs)));
+        let near = |found: f32, [up, down]: [f64; 2]| {
+            let expected = (up - down) / (2.0 * f64::from(STEP));
             assert!((f64::from(found) - expected).abs() < 1e-3, "{found} for {expected}");
         };
         for i in 0..course.dense.len() {
             let w = course.dense[i];
-            let [up, down] = [step, -step].map(|by| {
+            let losses = [STEP, -STEP].map(|by| {
                 course.dense[i] = w + by;
                 loss(&mut course)
             });
             course.dense[i] = w;
-            near(course.beside[i], up, down);
+            near(course.beside[i], losses);
         }
-        for (feature, unit) in [(0, 0), (0, 3), (2, 1)] {
-            let w = course.input.row(feature).0[unit];
-            let [up, down] = [step, -step].map(|by| {
-                course.input.row(feature).0[unit] = w + by;
+        for &place in places {
+            let (w, found) = at(&mut course.inlet, place);
+            let w = *w;
+            let losses = [STEP, -STEP].map(|by| {
+                *at(&mut course.inlet, place).0 = w + by;
                 loss(&mut course)
             });
-            course.input.row(feature).0[unit] = w;
-            near(course.input.row(feature).1[unit], up, down);
+            *at(&mut course.inlet, place).0 = w;
+            near(found, losses);
         }
-        assert_eq!(course.touched, [0, 2]);
-        assert!(course.input.weights.row(1).is_none());
+        course
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_loss() {
+        let table = FeatureTable::new(3);
+        let (sparse, dense) = (Features { dynamic: vec![0, 2], ..Features::default() }, Dense(vec![0.5, -1.0, 2.0]));
+        let some = [Action(0), Action(2), Action(3)];
+        for (units, outputs) in [(4, Outputs::Actions), (4, Outputs::Bits), (0, Outputs::Actions), (0, Outputs::Bits)] {
+            let net = Net { units, outputs, batch: usize::MAX, ..Net::default() };
+            for legal in [Actions::All(5), Actions::Only(&some)] {
+                let setting = Setting::<Features> { shared: &table, actions: 5 };
+                let places = [(0, 0), (0, 2), (2, 1)];
+                let course = check(&net, setting, &sparse, legal, &places, |inlet, (feature, column)| {
+                    let (weights, beside) = inlet.row(feature);
+                    (&mut weights[column], beside[column])
+                });
+                assert_eq!(course.inlet.touched, [0, 2]);
+                assert!(course.inlet.layer().weights.row(1).is_none());
+                let setting = Setting::<Dense> { shared: &Width(3), actions: 5 };
+                check(&net, setting, &dense, legal, &[(0, 0), (1, 2), (2, 1)], |inlet, (row, column)| {
+                    let (weights, beside) = inlet.parts();
+                    let at = row as usize * 8 + column;
+                    (&mut weights[at], beside[at])
+                });
+            }
+        }
+    }
+
+    /// With all numbers legal the loss over actions is the sum of the losses of the bits, each a sigmoid of its own.
+    #[test]
+    fn bits_are_sigmoids_of_their_own() {
+        let net = Net { units: 3, outputs: Outputs::Bits, ..Net::default() };
+        let mut course = net.begin(Setting::<Dense> { shared: &Width(2), actions: 16 }, None);
+        course.dense.iter_mut().enumerate().for_each(|(i, w)| *w = (i as f32).cos());
+        let view = Dense(vec![0.3, 0.9]);
+        let sight = Sight { shared: &Width(2), view: &view, legal: Actions::All(16) };
+        course.score(&sight);
+        assert!(course.backward(&sight, Target::Label(Action(0b0110))));
+        let pressed: Vec<f32> = course.outputs.iter().map(|out| 1.0 / (1.0 + (-out).exp())).collect();
+        for (bit, (p, error)) in pressed.iter().zip(&course.errors).enumerate() {
+            let expected = p - if [1, 2].contains(&bit) { 1.0 } else { 0.0 };
+            assert!((error - expected).abs() < 1e-5, "{bit}: {error} for {expected}");
+        }
+        let best = sight.legal.best(&course.scores);
+        assert!((0..4).all(|bit| (best.0 >> bit & 1 == 1) == (pressed[bit] > 0.5)));
     }
 }

@@ -1,6 +1,6 @@
 //! Linear classifiers over sparse binary features.
 
-use super::Classifier;
+use super::{Classifier, Outputs};
 use crate::space::{Action, Actions, Features, NO_ROW, Sight};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +16,8 @@ pub enum Columns {
     /// One per match of a balanced single-elimination tournament: where actions i..k split before j, column j-1, positive where the winner
     /// of i..j is better than that of j..k. The champion's score is 1, all others' 0.
     Tree,
+    /// One per bit of the action's number: [`Outputs::Bits`].
+    Bits,
 }
 
 impl Columns {
@@ -25,6 +27,7 @@ impl Columns {
             Columns::Actions => actions,
             Columns::Pairs => actions * actions.saturating_sub(1) / 2,
             Columns::Tree => actions.saturating_sub(1),
+            Columns::Bits => Outputs::Bits.count(actions),
         }
     }
 
@@ -464,8 +467,12 @@ pub(crate) fn tournament(
     winner(0..actions, columns, legal, watch)
 }
 
-/// The scores of actions from columns that are not theirs: how many legal others each beats in pairs, or who is champion of the tree.
+/// The scores of actions from columns that are not theirs: how many legal others each beats in pairs, who is champion of the tree, or the
+/// sum over the bits.
 pub(crate) fn votes(of: Columns, actions: usize, columns: &[f32], legal: Actions<'_>, votes: &mut Vec<f32>) {
+    if of == Columns::Bits {
+        return Outputs::Bits.scores(actions, columns, votes);
+    }
     votes.clear();
     votes.resize(actions, 0.0);
     if of == Columns::Tree {

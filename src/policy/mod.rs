@@ -6,6 +6,7 @@ mod ladder;
 mod linear;
 mod mixture;
 mod neural;
+mod outputs;
 mod tree;
 mod value;
 
@@ -15,7 +16,8 @@ pub use linear::{Columns, Linear, LinearMemory, Weights};
 pub(crate) use linear::{tournament, votes};
 pub use mixture::{Member, Mixture, MixtureMemory, Reading};
 pub(crate) use neural::forward;
-pub use neural::{Neural, NeuralMemory};
+pub use neural::{Layer, Neural, NeuralMemory, Rows};
+pub use outputs::Outputs;
 pub(crate) use tree::Node;
 pub use tree::Tree;
 pub(crate) use value::value_of;

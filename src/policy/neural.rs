@@ -1,32 +1,146 @@
-//! A net of one hidden layer over sparse binary features.
+//! A net of one hidden layer, over sparse binary features or over dense numbers.
 
-use super::{Classifier, Columns, Linear, LinearMemory, Weights};
-use crate::space::{Features, Sight};
+use super::{Classifier, Columns, Linear, LinearMemory, Outputs};
+use crate::space::{Dense, Features, Sight, View};
 
-/// A net with one hidden layer: h = σ(b + W x), an action's score is c_a + v_a·h. Its input is the sparse binary features at hand, so the hidden layer
-/// is a [`Linear`] whose columns are units, and the sums over the static part are remembered as there.
+/// A net with one hidden layer: h = σ(b + W x), an output is c_o + v_o·h, and [`Outputs`] says what that is for an action. Without hidden units the
+/// outputs are c + W x.
+///
+/// Its input layer goes with what it sees: for the sparse binary features at hand it is a [`Linear`] whose columns are units, so the sums over
+/// the static part are remembered as there; for dense numbers it is [`Rows`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Neural {
-    /// What goes into each unit of the hidden layer, but for the bias: `weights[feature, unit]`.
-    pub(crate) input: Linear,
-    /// The units' biases b, the actions' biases c, then `v[action, unit]`.
+pub struct Neural<I = Linear> {
+    /// How many actions there are.
+    pub(crate) actions: usize,
+    /// What the outputs are.
+    pub(crate) outputs: Outputs,
+    /// How many hidden units there are.
+    pub(crate) units: usize,
+    /// What goes into each unit, but for the bias.
+    pub(crate) input: I,
+    /// The units' biases b, the outputs' biases c, then `v[output, unit]`.
     pub(crate) dense: Vec<f32>,
 }
 
-impl Neural {
-    /// How many numbers a net of `units` units and `actions` actions has beside those of the input.
-    pub(crate) fn size(units: usize, actions: usize) -> usize {
-        units + actions + units * actions
+impl<I> Neural<I> {
+    /// How many numbers a net of `units` units and `outputs` outputs has beside those of the input.
+    pub(crate) fn size(units: usize, outputs: usize) -> usize {
+        units + outputs + units * outputs
     }
 
     /// How many units the hidden layer has.
     pub fn units(&self) -> usize {
-        self.input.actions
+        self.units
     }
 
     /// How many actions there are.
     pub fn actions(&self) -> usize {
-        (self.dense.len() - self.units()) / (1 + self.units())
+        self.actions
+    }
+
+    /// What its outputs are.
+    pub fn outputs(&self) -> Outputs {
+        self.outputs
+    }
+}
+
+/// The input layer of a net.
+pub trait Layer<V: View>: Clone + Send + Sync {
+    /// Scratch that a thread keeps between calls.
+    type Memory: Default + Send;
+
+    /// Makes `sums` zero, long enough for what goes into each unit and padding.
+    fn clear(&self, sums: &mut Vec<f32>);
+
+    /// Adds what goes into each unit at `sight` to `sums`.
+    fn add(&self, sight: &Sight<'_, V>, sums: &mut [f32]);
+
+    /// Writes what goes into each unit at `sight` into `sums`, with the help of what was computed before.
+    fn sums(&self, sight: &Sight<'_, V>, _memory: &mut Self::Memory, sums: &mut Vec<f32>) {
+        self.clear(sums);
+        self.add(sight, sums);
+    }
+}
+
+impl Layer<Features> for Linear {
+    type Memory = LinearMemory;
+
+    fn clear(&self, sums: &mut Vec<f32>) {
+        sums.clear();
+        sums.resize(self.weights.stride(), 0.0);
+    }
+
+    #[inline]
+    fn add(&self, sight: &Sight<'_, Features>, sums: &mut [f32]) {
+        self.weights.add_to(sight.shared.row(sight.view.row), sums);
+        self.weights.add_to(&sight.view.dynamic, sums);
+    }
+
+    #[inline]
+    fn sums(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory, sums: &mut Vec<f32>) {
+        sums.clear();
+        sums.extend_from_slice(memory.scores(Columns::Actions, self.actions, &self.weights, sight));
+    }
+}
+
+/// Weights of dense input: `weights[input, unit]`, rows padded to eight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rows {
+    pub(crate) columns: usize,
+    pub(crate) weights: Vec<f32>,
+}
+
+impl Rows {
+    /// No weights yet for `width` numbers and `columns` units.
+    pub(crate) fn new(width: usize, columns: usize) -> Self {
+        Rows { columns, weights: vec![0.0; width * Self::padded(columns)] }
+    }
+
+    /// The length of a row of `columns` columns.
+    fn padded(columns: usize) -> usize {
+        columns.next_multiple_of(8).max(8)
+    }
+
+    /// The length of a row.
+    pub(crate) fn stride(&self) -> usize {
+        Self::padded(self.columns)
+    }
+
+    /// Adds up rows with the sums held in registers.
+    #[inline]
+    fn add_fixed<const N: usize>(&self, values: &[f32], sums: &mut [f32]) {
+        let Some(sums) = sums.first_chunk_mut::<N>() else { return };
+        let mut parts = *sums;
+        for (x, row) in values.iter().zip(self.weights.as_chunks::<N>().0) {
+            for c in 0..N {
+                parts[c] += x * row[c];
+            }
+        }
+        *sums = parts;
+    }
+}
+
+impl Layer<Dense> for Rows {
+    type Memory = ();
+
+    fn clear(&self, sums: &mut Vec<f32>) {
+        sums.clear();
+        sums.resize(self.stride(), 0.0);
+    }
+
+    #[inline]
+    fn add(&self, sight: &Sight<'_, Dense>, sums: &mut [f32]) {
+        let values = &sight.view.0[..];
+        match self.stride() {
+            8 => self.add_fixed::<8>(values, sums),
+            16 => self.add_fixed::<16>(values, sums),
+            32 => self.add_fixed::<32>(values, sums),
+            stride => {
+                for (x, row) in values.iter().zip(self.weights.chunks_exact(stride)) {
+                    sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += x * w);
+                }
+            }
+        }
     }
 }
 
@@ -36,14 +150,18 @@ pub(crate) fn sigmoid(x: f32) -> f32 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// Turns sums over the input into what the units give, and those into `scores[action]`.
-pub(crate) fn forward(dense: &[f32], sums: &mut [f32], scores: &mut [f32]) {
-    let units = sums.len();
+/// Turns sums over the input into what the units give, and those into outputs; without units the sums are the outputs but for the bias.
+pub(crate) fn forward(dense: &[f32], units: usize, sums: &mut [f32], outputs: &mut [f32]) {
+    if units == 0 {
+        outputs.iter_mut().zip(dense).zip(&*sums).for_each(|((out, offset), sum)| *out = offset + sum);
+        return;
+    }
     let (biases, rest) = dense.split_at(units);
-    let (offsets, outputs) = rest.split_at(scores.len());
+    let (offsets, weights) = rest.split_at(outputs.len());
+    let sums = &mut sums[..units];
     sums.iter_mut().zip(biases).for_each(|(h, bias)| *h = sigmoid(*h + bias));
-    for ((score, offset), v) in scores.iter_mut().zip(offsets).zip(outputs.chunks_exact(units.max(1))) {
-        *score = offset + dot(v, sums);
+    for ((out, offset), v) in outputs.iter_mut().zip(offsets).zip(weights.chunks_exact(units)) {
+        *out = offset + dot(v, sums);
     }
 }
 
@@ -62,32 +180,37 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 
 /// A thread's scratch for a net.
 #[derive(Default)]
-pub struct NeuralMemory {
-    input: LinearMemory,
+pub struct NeuralMemory<M = LinearMemory> {
+    input: M,
     units: Vec<f32>,
+    outputs: Vec<f32>,
     scores: Vec<f32>,
 }
 
-impl NeuralMemory {
-    /// One score for each of `actions` actions, from the weights of `units` units and the `dense` ones.
-    pub(crate) fn scores<'m>(
+impl<M> NeuralMemory<M> {
+    /// One score an action, from an input layer, the `dense` weights, and how many hidden units, what outputs and how many actions there are.
+    pub(crate) fn scores<'m, V: View, I: Layer<V, Memory = M>>(
         &'m mut self,
-        (input, dense): (&Weights, &[f32]),
-        (units, actions): (usize, usize),
-        sight: &Sight<'_, Features>,
+        input: &I,
+        dense: &[f32],
+        (units, code, actions): (usize, Outputs, usize),
+        sight: &Sight<'_, V>,
     ) -> &'m [f32] {
-        self.units.clear();
-        self.units.extend_from_slice(self.input.scores(Columns::Actions, units, input, sight));
-        self.scores.resize(actions, 0.0);
-        forward(dense, &mut self.units, &mut self.scores);
+        input.sums(sight, &mut self.input, &mut self.units);
+        self.outputs.resize(code.count(actions), 0.0);
+        forward(dense, units, &mut self.units, &mut self.outputs);
+        if code == Outputs::Actions {
+            return &self.outputs;
+        }
+        code.scores(actions, &self.outputs, &mut self.scores);
         &self.scores
     }
 }
 
-impl Classifier<Features> for Neural {
-    type Memory = NeuralMemory;
+impl<V: View, I: Layer<V>> Classifier<V> for Neural<I> {
+    type Memory = NeuralMemory<I::Memory>;
 
-    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut NeuralMemory) -> &'m [f32] {
-        memory.scores((&self.input.weights, &self.dense), (self.units(), self.actions()), sight)
+    fn scores<'m>(&self, sight: &Sight<'_, V>, memory: &'m mut Self::Memory) -> &'m [f32] {
+        memory.scores(&self.input, &self.dense, (self.units, self.outputs, self.actions), sight)
     }
 }

@@ -15,16 +15,19 @@
 //! Names and bare words start with a letter or `_` and go on with letters, digits, `_`, `'` and inner hyphens; any
 //! other word, and any other tag after `:`, stands in double quotes, with `\"` and `\\` for a quote and a backslash,
 //! and holds no white space. `start` and `words` begin their statements and `end` ends a sentence, so no nonterminal
-//! has one of these three names. What the tree means, and what else is refused, is told in [`grammar`](crate::grammar).
+//! has one of these three names.
+//!
+//! The grammar of a game's levels is read for one difficulty d ([`Tree::parse_at`]). Its weights may depend on it: `*(2+d)`, `*(5d-10)`, a sum of numbers
+//! and of multiples of `d`; what has no weight above 0 at some difficulty is left out there. What the tree means, and what else is refused, is told in [`grammar`](crate::grammar).
 
 use std::path::{Path, PathBuf};
 
 use nom::branch::alt;
 use nom::bytes::complete::{tag, take_while, take_while1};
 use nom::character::complete::{char, digit0, digit1, none_of, one_of, satisfy};
-use nom::combinator::{cut, map, not, opt, recognize, value, verify};
+use nom::combinator::{cut, map, map_opt, not, opt, recognize, value, verify};
 use nom::error::{ErrorKind, ParseError};
-use nom::multi::{fold_many1, many0, many0_count, many1};
+use nom::multi::{fold_many0, fold_many1, many0, many0_count, many1};
 use nom::sequence::{delimited, pair, preceded, terminated};
 use nom::{IResult, Parser};
 
@@ -117,8 +120,20 @@ impl Tree {
     ///
     /// [`Error::Data`] where the text is not of the form above, and where it has no `start` or a second one.
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self> {
-        let path = path.as_ref();
-        let source = Source { text };
+        Self::of(path.as_ref(), Source { text, difficulty: None })
+    }
+
+    /// Reads `text`, which came from `path` and whose weights may depend on the `difficulty`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Tree::parse`], and where of a list of choices none has a weight above 0.
+    pub fn parse_at(path: impl AsRef<Path>, text: &str, difficulty: f64) -> Result<Self> {
+        Self::of(path.as_ref(), Source { text, difficulty: Some(difficulty) })
+    }
+
+    fn of(path: &Path, source: Source<'_>) -> Result<Self> {
+        let text = source.text;
         let refuse = |at: &str, found: String, expected: &str| {
             Error::data(Place::of(path, text.as_bytes(), source.offset(at)), found, expected)
         };
@@ -243,23 +258,32 @@ fn quoted(i: &str) -> Read<'_, String> {
     delimited(char('"'), must("at least one character, none of them white space", inside), close).parse(i)
 }
 
-/// The weight after `*`, or 1.
-fn weight(i: &str) -> Read<'_, f64> {
+/// A number without a sign.
+fn digits(i: &str) -> Read<'_, &str> {
     let exponent = || opt((one_of("eE"), opt(one_of("+-")), digit1));
     let whole = recognize((digit1, opt(pair(char('.'), digit0)), exponent()));
     let fraction = recognize((char('.'), digit1, exponent()));
-    // A digit that went straight on with a letter would be a name that lost its `*` or a unit: neither is a weight.
-    let number = terminated(alt((whole, fraction)), not(satisfy(|c| c.is_alphanumeric() || c == '.' || c == '_')));
-    let positive = |text: &str| text.parse::<f64>().ok().filter(|w| w.is_finite() && *w > 0.0);
-    let number = token(nom::combinator::map_opt(number, positive));
-    let given = preceded(token(char('*')), must("a weight: a positive finite number such as 3 or 0.5", number));
-    map(opt(given), |given| given.unwrap_or(1.0)).parse(i)
+    alt((whole, fraction)).parse(i)
 }
 
-fn weighted<'a, O>(
-    parser: impl Parser<&'a str, Output = O, Error = Stop<'a>>,
-) -> impl Parser<&'a str, Output = Weighted<O>, Error = Stop<'a>> {
-    map(pair(parser, weight), |(item, weight)| Weighted { item, weight })
+/// A number, or a multiple of `d`: a digit that went straight on with another letter would be a name that lost its `*` or a unit.
+fn term(difficulty: f64, i: &str) -> Read<'_, f64> {
+    let number = || map(digits, |text| text.parse().unwrap_or(f64::INFINITY));
+    let multiple = map(terminated(opt(number()), char('d')), move |times| times.unwrap_or(1.0) * difficulty);
+    token(terminated(alt((multiple, number())), not(satisfy(|c| c.is_alphanumeric() || c == '.' || c == '_')))).parse(i)
+}
+
+/// `2+3d-1`: nothing, where it is below 0.
+fn sum(difficulty: f64, i: &str) -> Read<'_, f64> {
+    const TERM: &str = "a number, `d` or a multiple such as `5d`";
+    let one = move |i| term(difficulty, i);
+    let (i, first) = must(TERM, one).parse(i)?;
+    let others = fold_many0(
+        (token(one_of("+-")), must(TERM, one)),
+        move || first,
+        |sum, (sign, term)| if sign == '-' { sum - term } else { sum + term },
+    );
+    map(verify(others, |sum: &f64| sum.is_finite()), |sum| sum.max(0.0)).parse(i)
 }
 
 fn one<T>(item: T) -> Vec<Weighted<T>> {
@@ -270,6 +294,8 @@ fn one<T>(item: T) -> Vec<Weighted<T>> {
 #[derive(Clone, Copy)]
 struct Source<'a> {
     text: &'a str,
+    /// On which weights may depend; none where they may not.
+    difficulty: Option<f64>,
 }
 
 impl<'a> Source<'a> {
@@ -285,6 +311,42 @@ impl<'a> Source<'a> {
         move |i| {
             let (rest, text) = parser.parse(i)?;
             Ok((blank(rest)?.0, Name { text: text.into(), offset: self.offset(i) }))
+        }
+    }
+
+    /// The weight after `*`, or 1.
+    fn weight(self, i: &'a str) -> Read<'a, f64> {
+        const WEIGHT: &str = "a weight: a positive finite number such as 3 or 0.5";
+        let Ok((i, _)) = token(char('*')).parse(i) else { return Ok((i, 1.0)) };
+        if let Some(difficulty) = self.difficulty.filter(|_| i.starts_with('(')) {
+            let close = must("`+` or `-` and another term, or `)`", token(char(')')));
+            return delimited(token(char('(')), must("a finite sum", move |i| sum(difficulty, i)), close).parse(i);
+        }
+        // A digit that went straight on with a letter would be a name that lost its `*` or a unit: neither is a weight.
+        let number = terminated(digits, not(satisfy(|c| c.is_alphanumeric() || c == '.' || c == '_')));
+        let positive = |text: &str| text.parse::<f64>().ok().filter(|w| w.is_finite() && *w > 0.0);
+        must(WEIGHT, token(map_opt(number, positive))).parse(i)
+    }
+
+    fn weighted<O>(
+        self,
+        parser: impl Parser<&'a str, Output = O, Error = Stop<'a>>,
+    ) -> impl Parser<&'a str, Output = Weighted<O>, Error = Stop<'a>> {
+        map(pair(parser, move |i| self.weight(i)), |(item, weight)| Weighted { item, weight })
+    }
+
+    /// Without the choices that have no weight at this difficulty.
+    fn kept<O>(
+        self,
+        mut parser: impl Parser<&'a str, Output = Vec<Weighted<O>>, Error = Stop<'a>>,
+    ) -> impl FnMut(&'a str) -> Read<'a, Vec<Weighted<O>>> {
+        move |i| {
+            let (rest, mut choices) = parser.parse(i)?;
+            choices.retain(|choice| choice.weight > 0.0);
+            if choices.is_empty() {
+                return Err(nom::Err::Failure(Stop { at: i, expected: "at every difficulty a weight above 0" }));
+            }
+            Ok((rest, choices))
         }
     }
 
@@ -314,7 +376,7 @@ impl<'a> Source<'a> {
         close: &'static str,
         item: impl Fn(&'a str) -> Read<'a, O> + Copy,
     ) -> impl Parser<&'a str, Output = Vec<Weighted<O>>, Error = Stop<'a>> {
-        let inside = must(expected, many1(weighted(item)));
+        let inside = must(expected, self.kept(many1(self.weighted(item))));
         delimited(token(char('{')), inside, must(close, token(char('}'))))
     }
 
@@ -337,7 +399,7 @@ impl<'a> Source<'a> {
     fn start(self, i: &'a str) -> Read<'a, Statement<'a>> {
         let keyword = terminated(tag("start"), not(satisfy(|c| c.is_alphanumeric() || "_'-".contains(c))));
         let (rest, _) = token(keyword).parse(i)?;
-        let names = many1(weighted(|i| self.nonterminal(i)));
+        let names = self.kept(many1(self.weighted(|i| self.nonterminal(i))));
         let (rest, start) = must("a nonterminal at which sentences start", names).parse(rest)?;
         let (rest, _) = must("a nonterminal, `*` and a weight, or `;`", token(char(';'))).parse(rest)?;
         Ok((rest, Statement::Start(i, start)))
@@ -348,7 +410,8 @@ impl<'a> Source<'a> {
         let (i, _) = token(keyword).parse(i)?;
         let (i, name) = must("the name of the list", self.at(bare)).parse(i)?;
         let (i, _) = must("`=`", token(char('='))).parse(i)?;
-        let (i, items) = must("a word or `@` and the name of a list", many1(weighted(|i| self.item(i)))).parse(i)?;
+        let items = self.kept(many1(self.weighted(|i| self.item(i))));
+        let (i, items) = must("a word or `@` and the name of a list", items).parse(i)?;
         let (i, _) = must("a word, `@` and the name of a list, `*` and a weight, or `;`", token(char(';'))).parse(i)?;
         Ok((i, Statement::List(List { name, items })))
     }
@@ -358,10 +421,21 @@ impl<'a> Source<'a> {
         let (i, tag_name) =
             opt(preceded(token(char(':')), must("the tag that the nonterminal carries", |i| self.word(i)))).parse(i)?;
         let (i, _) = must("`->`, or `:` and a tag", token(tag("->"))).parse(i)?;
-        let (i, first) = weighted(|i| self.arm(i)).parse(i)?;
-        let (i, others) = many0(preceded(token(char('|')), cut(weighted(|i| self.arm(i))))).parse(i)?;
+        let arms = |i| {
+            let (i, first) = self.weighted(|i| self.arm(i)).parse(i)?;
+            fold_many0(
+                preceded(token(char('|')), cut(self.weighted(|i| self.arm(i)))),
+                || vec![first.clone()],
+                |mut arms, arm| {
+                    arms.push(arm);
+                    arms
+                },
+            )
+            .parse(i)
+        };
+        let (i, arms) = self.kept(arms).parse(i)?;
         let (i, _) = must("`|`, `*` and a weight, or `;`", token(char(';'))).parse(i)?;
-        Ok((i, Statement::Rule(Rule { name, tag: tag_name, arms: std::iter::once(first).chain(others).collect() })))
+        Ok((i, Statement::Rule(Rule { name, tag: tag_name, arms })))
     }
 
     fn statements(self, i: &'a str) -> Read<'a, Vec<Statement<'a>>> {

@@ -6,3 +6,4 @@ pub mod grammar;
 pub mod grid;
 pub mod letters;
 pub mod template;
+pub mod track;

@@ -116,6 +116,13 @@ impl Store<Features> for StoredFeatures {
         self.ends.push(self.dynamic.len());
     }
 
+    fn recall(&self, i: usize, view: &mut Features) {
+        let (row, dynamic) = self.get(i);
+        (view.row, view.near) = (row, 0);
+        view.dynamic.clear();
+        view.dynamic.extend_from_slice(dynamic);
+    }
+
     fn extend_from(&mut self, other: &Self) {
         let shift = self.dynamic.len();
         self.rows.extend_from_slice(&other.rows);

@@ -29,13 +29,17 @@
 //! ```
 
 mod actions;
+mod dense;
 pub mod doc;
 pub mod experts;
 mod features;
+mod marathon;
 mod stacked;
 
 pub use actions::{Action, Actions};
+pub use dense::{Dense, DenseRows, Width};
 pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
+pub use marathon::{Marathon, Runner, Running};
 pub use stacked::{Second, Stacked, StackedState};
 
 use crate::seed::Seed;
@@ -111,6 +115,8 @@ pub struct Sight<'a, V: View> {
 pub trait Store<V>: Gather + Sync {
     /// Remembers `view`, which becomes the last.
     fn push(&mut self, view: &V);
+    /// Writes view number `i` into `view`, whatever stood there before.
+    fn recall(&self, i: usize, view: &mut V);
     /// Appends a copy of all of `other`.
     fn extend_from(&mut self, other: &Self);
     /// How many views there are.

@@ -16,6 +16,7 @@ use crate::output::write_whole;
 use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Reading, Weights};
 use crate::space::Stacked;
 use crate::trainer::{Beam, MOST_WIDTH, MOST_WINDOW, TwoStage};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -130,8 +131,7 @@ impl<T: Task> Model<T> {
         let length = json.len() + 1 + 8 * keys + 4 * numbers;
 
         // Models are large: the body is written once, behind a head that waits for its checksum.
-        let head = |sum| format!("{MAGIC}{VERSION}\n{}\n", second_line(length, sum)).into_bytes();
-        let mut bytes = head(0);
+        let mut bytes = head(length, 0);
         let start = bytes.len();
         bytes.reserve_exact(length);
         bytes.extend(json);
@@ -140,17 +140,10 @@ impl<T: Task> Model<T> {
             bytes.extend(array.iter().flat_map(|key| key.to_le_bytes()));
         }
         for classifier in classifiers {
-            let weights = &classifier.weights;
-            let with_weights = || (0..weights.features() as u32).filter_map(|f| weights.row(f).map(|row| (f, row)));
-            bytes.extend(with_weights().flat_map(|(feature, _)| feature.to_le_bytes()));
-            for (_, row) in with_weights() {
-                let at = bytes.len();
-                bytes.resize(at + 4 * weights.columns(), 0);
-                bytes[at..].as_chunks_mut().0.iter_mut().zip(row).for_each(|(to, w)| *to = w.to_le_bytes());
-            }
+            put_rows(&classifier.weights, &mut bytes);
         }
         let sum = checksum(&bytes[start..]);
-        bytes[..start].copy_from_slice(&head(sum));
+        bytes[..start].copy_from_slice(&head(length, sum));
         bytes
     }
 
@@ -204,11 +197,11 @@ impl<T: Task> Model<T> {
             .enumerate()
             .map(|(place, count)| {
                 let features = features(place).ok_or("its window is too wide")?;
-                classifier((actions, features), header.columns, *count, &mut arrays)
+                take_rows((actions, features), header.columns, *count, &mut arrays)
             })
             .collect::<Result<Vec<_>, &str>>()
             .map_err(&broken)?;
-        if !arrays.rest.is_empty() || classifiers.is_empty() {
+        if !arrays.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
         }
         let policy = header.policy.policy(classifiers).map_err(|what| broken(&what))?;
@@ -216,8 +209,19 @@ impl<T: Task> Model<T> {
     }
 }
 
+/// Appends the numbers of the features that have weights, then their rows.
+pub(crate) fn put_rows(weights: &Weights, bytes: &mut Vec<u8>) {
+    let with_weights = || (0..weights.features() as u32).filter_map(|f| weights.row(f).map(|row| (f, row)));
+    bytes.extend(with_weights().flat_map(|(feature, _)| feature.to_le_bytes()));
+    for (_, row) in with_weights() {
+        let at = bytes.len();
+        bytes.resize(at + 4 * weights.columns(), 0);
+        bytes[at..].as_chunks_mut().0.iter_mut().zip(row).for_each(|(to, w)| *to = w.to_le_bytes());
+    }
+}
+
 /// Reads one classifier: the numbers of its features, then their rows.
-fn classifier(
+pub(crate) fn take_rows(
     (actions, features): (usize, usize),
     columns: Columns,
     count: usize,
@@ -267,12 +271,41 @@ impl<'a> Arrays<'a> {
         Some(self.take::<8>(count)?.iter().map(|key| u64::from_le_bytes(*key)))
     }
 
+    /// Whether all have been taken.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rest.is_empty()
+    }
+
     /// The next `count` numbers of `N` bytes each; `None` when they are not there.
-    fn take<const N: usize>(&mut self, count: usize) -> Option<&'a [[u8; N]]> {
+    pub(crate) fn take<const N: usize>(&mut self, count: usize) -> Option<&'a [[u8; N]]> {
         let (taken, rest) = self.rest.split_at_checked(count.checked_mul(N)?)?;
         self.rest = rest;
         Some(taken.as_chunks().0)
     }
+}
+
+/// A model file with this body.
+pub(crate) fn sealed(body: Vec<u8>) -> Vec<u8> {
+    [head(body.len(), checksum(&body)), body].concat()
+}
+
+/// What the body in the bytes of a model file of `task` says of itself, and the arrays behind that; `path` names the file in errors.
+///
+/// # Errors
+/// When they are no model, of another version or task, cut short or damaged.
+pub(crate) fn opened<'a, H: DeserializeOwned>(bytes: &'a [u8], path: &Path, task: &str) -> Result<(H, Arrays<'a>)> {
+    let name = task_of(bytes, path)?;
+    if name != task {
+        return Err(Error::file(path, format!("a model for {name}"), format!("a {task} model is needed")));
+    }
+    let (json, rest) = split_line(checked_body(bytes, path)?).ok_or_else(|| damaged(path, "no header"))?;
+    let header = serde_json::from_slice(json).map_err(|error| damaged(path, &error.to_string()))?;
+    Ok((header, Arrays { rest }))
+}
+
+/// The first two lines.
+fn head(length: usize, sum: u64) -> Vec<u8> {
+    format!("{MAGIC}{VERSION}\n{}\n", second_line(length, sum)).into_bytes()
 }
 
 /// The body of a model file, when its length and checksum are right.

@@ -5,16 +5,19 @@
 
 mod file;
 pub mod graph;
+pub mod kart;
 mod learners;
 mod model;
 pub mod navigation;
 pub mod ocr;
 pub mod parsing;
+pub mod platformer;
 pub mod tabular;
 pub mod tagging;
 mod training;
 
 pub use file::{Arrays, task_of};
+pub(crate) use file::{opened, put_rows, sealed, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
 pub use training::Trainer;

@@ -74,7 +74,7 @@ impl Trainer {
     /// What training on a problem of this extent is expected to cost.
     pub fn expected(&self, extent: &Extent) -> Expected {
         match self {
-            Trainer::Supervised(_) => ledgers::supervised(extent),
+            Trainer::Supervised(supervised) => ledgers::supervised(extent, supervised),
             Trainer::Forward(forward) => ledgers::forward(extent, forward),
             Trainer::Smile(smile) => ledgers::smile(extent, smile),
             Trainer::Searn(searn) => ledgers::searn(extent, searn),

@@ -6,7 +6,7 @@
 //!
 //! | trainer | labels | expert acts | roll-outs | roll-out acts | steps |
 //! |---|---|---|---|---|---|
-//! | supervised | S | S | 0 | 0 | S |
+//! | supervised, N rounds | N S | N S | 0 | 0 | N S |
 //! | forward | S | 0 | 0 | 0 | sum L(L-1)/2 |
 //! | SMILe | N S | S (1-p_N)/alpha | 0 | 0 | N S |
 //! | SMILe reusing by 4.2, R1 | S + sum over n of sum L (1-(1-alpha)^L) | see below | 0 | 0 | as labels |
@@ -31,7 +31,7 @@
 //! Forward training counts an episode's steps up to [`Forward::longest`] only.
 //!
 //! Sums over n are over the rounds but the first, n = 1, ..., N-1. With q for (1-alpha) or (1-alpha p_{n-1}), the expert acts S + sum over n of
-//! p_n sum L (1-q^(L-1)) times in all; for Algorithm 4.2 as printed the last term is (L-1)(1-q^L). What 4.3 and R2 run when their
+//! p_n sum L (1-q^(L-1)) times in all, where an episode that is kept or run anew in pieces ([`Smile::piece`]) counts as so many episodes; for Algorithm 4.2 as printed the last term is (L-1)(1-q^L). What 4.3 and R2 run when their
 //! trajectories run dry comes on top.
 //!
 //! Steps t count from 1 here. Labels, roll-outs and steps are exact wherever episode lengths and A_t do not depend on
@@ -43,7 +43,9 @@
 
 use crate::seed::Seed;
 use crate::space::{Gather, Problem};
-use crate::trainer::{Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Reuse, Schedule, Searn, Smile};
+use crate::trainer::{
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Reuse, Schedule, Searn, Smile, Supervised,
+};
 use crate::worker::{Ledger, all, sweep};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -154,9 +156,10 @@ fn labelled(extent: &Extent, passes: f64, acts: f64) -> Expected {
     Expected { labels: all, expert_acts: acts, queries: all, steps: all, examples: all, ..Expected::default() }
 }
 
-/// What [`Supervised`](crate::trainer::Supervised) costs.
-pub fn supervised(extent: &Extent) -> Expected {
-    labelled(extent, 1.0, extent.steps())
+/// What [`Supervised`] costs.
+pub fn supervised(extent: &Extent, supervised: &Supervised) -> Expected {
+    let passes = supervised.rounds as f64;
+    labelled(extent, passes, passes * extent.steps())
 }
 
 /// What [`Forward`] costs.
@@ -177,14 +180,23 @@ pub fn smile(extent: &Extent, smile: &Smile) -> Expected {
         Reuse::Printed42 | Reuse::Coins => |a, _| 1.0 - a,
         Reuse::Printed43 | Reuse::Sites | Reuse::Ageing => |a, before| 1.0 - a * before,
     };
+    // The sum over all pieces of all episodes: whole ones, then what is left.
+    let piece = smile.piece.map_or(f64::INFINITY, |steps| steps.max(1) as f64);
+    let sum = |of: &dyn Fn(f64) -> f64| {
+        extent.sum(|l| {
+            let whole = (l / piece).floor();
+            let (whole, rest) = if whole > 0.0 { (whole * of(piece), l - whole * piece) } else { (0.0, l) };
+            whole + if rest > 0.0 { of(rest) } else { 0.0 }
+        })
+    };
     let (mut labels, mut acts) = (extent.steps(), extent.steps());
     for n in 1..smile.rounds as i32 {
         let (p, before) = ((1.0 - smile.alpha).powi(n), (1.0 - smile.alpha).powi(n - 1));
         let kept = kept(smile.alpha, before);
-        labels += extent.sum(|l| l * (1.0 - kept.powf(l)));
+        labels += sum(&|l| l * (1.0 - kept.powf(l)));
         acts += p * match smile.reuse {
-            Reuse::Printed42 => extent.sum(|l| (l - 1.0) * (1.0 - kept.powf(l))),
-            _ => extent.sum(|l| l * (1.0 - kept.powf(l - 1.0))),
+            Reuse::Printed42 => sum(&|l| (l - 1.0) * (1.0 - kept.powf(l))),
+            _ => sum(&|l| l * (1.0 - kept.powf(l - 1.0))),
         };
     }
     Expected { labels, expert_acts: acts, queries: labels, steps: labels, examples: labels, ..Expected::default() }
@@ -306,7 +318,7 @@ pub fn stacking(extent: &Extent) -> Expected {
 pub fn early_update(extent: &Extent, early: &EarlyUpdate) -> Expected {
     let searched = early.rounds as f64 * extent.steps();
     let width = early.width as f64;
-    let once = supervised(extent);
+    let once = supervised(extent, &Supervised::default());
     let resets = if early.width > 1 { width * searched } else { 0.0 };
     Expected { steps: once.steps + (width + 1.0) * searched, resets, ..once }
 }

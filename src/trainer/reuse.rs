@@ -22,6 +22,11 @@
 //! classifier's. The labels are then independent draws from pi^n at all times. Where none changed, the trajectory is one that
 //! pi^n would have made, and stays.
 //!
+//! *Pieces.* Where episodes are long, a trajectory is a piece of T steps of one ("we choose T as 1/alpha = 10", section 5, of games of some hundred
+//! steps). Pieces of an episode that are run anew follow each other in one run, which ends with the last of them, so nothing is put back to where an
+//! earlier one began. This is exact for the labels, but where a piece begins depends on those before it: of the states, D_n is then only
+//! about a sample from pi^n's, with the episodes' beginnings and what the newest classifier brings about somewhat too frequent.
+//!
 //! What the paper leaves open is decided so: a round has as many trajectories as episodes (the printed `<=` would make one more). A trajectory
 //! is picked from those of the same length. When none with k non-expert steps is left, one is run: the expert everywhere but
 //! pitilde^{n-1} at k uniform sites, which is what those in the bucket are.
@@ -115,13 +120,18 @@ pub(super) struct Pool<P: Problem> {
     alpha: f64,
     /// Where a slot's draws of members hang: the round's node, or for ageing one for good.
     seed: Seed,
+    /// Steps of a piece, where episodes are cut.
+    piece: Option<usize>,
     slots: Vec<Trajectory<P>>,
+    /// The episode each slot is a piece of, and how long a piece.
+    owners: Vec<(usize, usize)>,
 }
 
 impl<P: Problem> Pool<P> {
     /// An empty pool.
-    pub fn new(reuse: Reuse, alpha: f64, seed: Seed) -> Self {
-        Pool { reuse, alpha, seed: seed.child(Purpose::Member, 0), slots: Vec::new() }
+    pub fn new(reuse: Reuse, alpha: f64, piece: Option<usize>, seed: Seed) -> Self {
+        let seed = seed.child(Purpose::Member, 0);
+        Pool { reuse, alpha, piece, seed, slots: Vec::new(), owners: Vec::new() }
     }
 
     /// Makes D_n for the mixture pi^n from D_{n-1}: returns all of it, and the bill of what was run anew.
@@ -131,43 +141,101 @@ impl<P: Problem> Pool<P> {
         policy: &Mixture<C>,
         seed: Seed,
     ) -> Result<(Round<P>, Ledger)> {
-        let n = policy.members().len();
-        let plans: Vec<Plan> = if self.slots.is_empty() {
-            vec![Plan::All(Role::Whole(n)); problem.episodes()]
+        let bill = if self.slots.is_empty() {
+            self.fill(problem, policy, seed)
         } else {
-            self.plans(problem, policy, seed)?
+            let plans = self.plans(problem, policy, seed)?;
+            self.renew(problem, policy, &plans, seed)
         };
-        let fresh = |index: &usize| !matches!(plans[*index], Plan::Keep | Plan::Take(_));
-        let episodes: Vec<usize> = all(problem).into_iter().filter(fresh).collect();
-        let (runs, bill) =
-            sweep(problem, &episodes, seed, |worker, memory: &mut MixtureMemory<C::Memory>, episode, runs| {
-                let mut run = Trajectory::new();
-                run.cost = worker.episode(episode, |visit| {
-                    roll::label(visit, &mut run.examples);
-                    let step = self.step_seed(episode.index, episode.seed, visit.t());
-                    let member = self.member(policy, self.role(&plans[episode.index], visit.t(), step, n), step);
-                    run.length += 1;
-                    run.taught += usize::from(member != Member::Expert);
-                    Some(policy.act_as(member, visit, memory))
-                });
-                Vec::push(runs, run);
-            });
-        let mut runs = runs.into_iter();
-        let mut old: Vec<Option<Trajectory<P>>> = std::mem::take(&mut self.slots).into_iter().map(Some).collect();
-        for (index, plan) in plans.iter().enumerate() {
-            let next = match plan {
-                Plan::Keep => old[index].take(),
-                Plan::Take(other) => old[*other].take(),
-                _ => runs.next(),
-            };
-            self.slots.push(next.unwrap_or_else(Trajectory::new));
-        }
         let mut round = Round::default();
         for slot in &self.slots {
             round.examples.extend_from(&slot.examples);
             round.cost += slot.cost;
         }
         Ok((round, bill))
+    }
+
+    /// The first trajectories: every episode from its beginning to its end.
+    fn fill<C: Classifier<ViewOf<P>>>(&mut self, problem: &P, policy: &Mixture<C>, seed: Seed) -> Ledger {
+        let whole = Plan::All(Role::Whole(policy.members().len()));
+        // Which draws are whose matters for pieces only once classifiers act; until then the expert does.
+        let each = |index: usize, _: usize| Some((index, &whole));
+        let (runs, bill) = self.run(problem, policy, &all(problem), seed, each);
+        let length = |run: &Trajectory<P>, index| match self.piece {
+            Some(_) => Some(run.length),
+            None => problem.space().horizon(index),
+        };
+        self.owners = runs.iter().map(|(index, run)| (*index, length(run, *index).unwrap_or(0))).collect();
+        self.slots = runs.into_iter().map(|(_, run)| run).collect();
+        bill
+    }
+
+    /// Follows the `plans`.
+    fn renew<C: Classifier<ViewOf<P>>>(
+        &mut self,
+        problem: &P,
+        policy: &Mixture<C>,
+        plans: &[Plan],
+        seed: Seed,
+    ) -> Ledger {
+        let mut fresh = vec![Vec::new(); problem.episodes()];
+        for (slot, plan) in plans.iter().enumerate() {
+            if !matches!(plan, Plan::Keep | Plan::Take(_)) {
+                fresh[self.owners[slot].0].push(slot);
+            }
+        }
+        let episodes: Vec<usize> = all(problem).into_iter().filter(|index| !fresh[*index].is_empty()).collect();
+        let each = |index: usize, piece: usize| fresh[index].get(piece).map(|slot| (*slot, &plans[*slot]));
+        let (runs, bill) = self.run(problem, policy, &episodes, seed, each);
+        let mut runs = runs.into_iter().peekable();
+        let mut old: Vec<Option<Trajectory<P>>> = std::mem::take(&mut self.slots).into_iter().map(Some).collect();
+        for (slot, plan) in plans.iter().enumerate() {
+            let owner = self.owners[slot].0;
+            let next = match plan {
+                Plan::Keep => old[slot].take(),
+                Plan::Take(other) => old[*other].take(),
+                // A run that ended early has fewer pieces than were asked for.
+                _ => runs.next_if(|(index, _)| *index == owner).map(|(_, run)| run),
+            };
+            self.slots.push(next.unwrap_or_else(Trajectory::new));
+        }
+        bill
+    }
+
+    /// Runs `episodes` piece by piece, each in the slot and by the plan that `each` gives for the episode and the number of the piece; where it gives
+    /// none the run ends. Returns the pieces in order, each with its episode.
+    fn run<'a, C: Classifier<ViewOf<P>>>(
+        &self,
+        problem: &P,
+        policy: &Mixture<C>,
+        episodes: &[usize],
+        seed: Seed,
+        each: impl Fn(usize, usize) -> Option<(usize, &'a Plan)> + Sync,
+    ) -> (Vec<(usize, Trajectory<P>)>, Ledger) {
+        let (n, piece) = (policy.members().len(), self.piece.unwrap_or(usize::MAX));
+        sweep(problem, episodes, seed, |worker, memory: &mut MixtureMemory<C::Memory>, episode, runs| {
+            let first = Vec::len(runs);
+            let mut before = 0.0;
+            let total = worker.episode(episode, |visit| {
+                let (number, t) = (visit.t() / piece, visit.t() % piece);
+                let (slot, plan) = each(episode.index, number)?;
+                if t == 0 {
+                    end(runs, first, visit.spent(), &mut before);
+                    Vec::push(runs, (episode.index, Trajectory::new()));
+                }
+                let (_, run) = runs.last_mut()?;
+                roll::label(visit, &mut run.examples);
+                let step = self.step_seed(slot, seed.child(Purpose::Episode, slot as u64), t);
+                let member = self.member(policy, self.role(plan, t, step, n), step);
+                run.length += 1;
+                run.taught += usize::from(member != Member::Expert);
+                Some(policy.act_as(member, visit, memory))
+            });
+            end(runs, first, total, &mut before);
+            if Vec::len(runs) == first && self.piece.is_none() {
+                runs.push((episode.index, Trajectory::new())); // an episode without steps
+            }
+        })
     }
 
     /// The node of a step's draws in a slot's run.
@@ -284,10 +352,18 @@ impl<P: Problem> Pool<P> {
 
     /// The lengths of the episodes, which these procedures must know beforehand.
     fn lengths(&self, problem: &P) -> Result<Vec<usize>> {
-        let length = |index| problem.space().horizon(index);
-        all(problem).into_iter().map(length).collect::<Option<_>>().ok_or_else(|| {
-            Error::argument("reuse", format!("{:?}", self.reuse), "ageing or r1: this space does not know its horizons")
-        })
+        if self.piece.is_none() && !all(problem).into_iter().all(|index| problem.space().horizon(index).is_some()) {
+            let expected = "ageing or r1: this space does not know its horizons";
+            return Err(Error::argument("reuse", format!("{:?}", self.reuse), expected));
+        }
+        Ok(self.owners.iter().map(|(_, length)| *length).collect())
+    }
+}
+
+/// Ends the last of an episode's trajectories, those from number `first` on, when the episode has cost `spent`.
+fn end<P: Problem>(runs: &mut [(usize, Trajectory<P>)], first: usize, spent: f64, before: &mut f64) {
+    if let Some((_, run)) = runs[first..].last_mut() {
+        run.cost = spent - std::mem::replace(before, spent);
     }
 }
 
@@ -336,7 +412,7 @@ mod tests {
     fn shares(reuse: Reuse, alpha: f64, mdp: &Mdp, hats: &[Vec<usize>]) -> Vec<Array2<f64>> {
         let view: Vec<usize> = (0..mdp.states()).collect();
         let problem = Tabular::new(mdp.clone(), &view).expect("a view a state").problem(SLOTS);
-        let mut pool = Pool::<Small>::new(reuse, alpha, Seed::new(5));
+        let mut pool = Pool::<Small>::new(reuse, alpha, None, Seed::new(5));
         let mut policy = Mixture::of_expert();
         let mut shares = Vec::new();
         for n in 0..=hats.len() {

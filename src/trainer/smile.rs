@@ -2,7 +2,7 @@
 
 use super::reuse::{Pool, Reuse};
 use super::{Book, Run, Trained, check_rate, check_rounds};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::learner::{Learner, Setting};
 use crate::policy::Mixture;
 use crate::roll;
@@ -38,11 +38,14 @@ pub struct Smile {
     pub warm: bool,
     /// How trajectories of earlier rounds are reused.
     pub reuse: Reuse,
+    /// T: after so many steps an episode is cut, and its pieces are what is kept or run anew; `None` where an episode is one piece. Pieces that are
+    /// run anew follow each other in one run that begins where the episode does: nothing is put back.
+    pub piece: Option<usize>,
 }
 
 impl Default for Smile {
     fn default() -> Self {
-        Smile { alpha: 0.2, rounds: 7, warm: false, reuse: Reuse::None }
+        Smile { alpha: 0.2, rounds: 7, warm: false, reuse: Reuse::None, piece: None }
     }
 }
 
@@ -50,7 +53,7 @@ impl Smile {
     /// Trains on `problem` with `learner`.
     ///
     /// # Errors
-    /// When alpha is outside (0, 1], there are no rounds, the problem has no episodes, or they have no known horizons and the kind of reuse
+    /// When alpha is outside (0, 1], there are no rounds, a piece has no steps, the problem has no episodes, or they have no known horizons and the kind of reuse
     /// needs them.
     pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
@@ -60,9 +63,12 @@ impl Smile {
     ) -> Result<Trained<Mixture<L::Classifier>>> {
         check_rate("alpha", self.alpha)?;
         check_rounds(self.rounds)?;
+        if self.piece == Some(0) {
+            return Err(Error::argument("piece", 0, "at least 1 step"));
+        }
         let mut book = Book::open(problem, run)?;
         let mut policy = Mixture::of_expert(); // pi^0 <- pi*
-        let mut pool = Pool::new(self.reuse, self.alpha, run.seed);
+        let mut pool = Pool::new(self.reuse, self.alpha, self.piece, run.seed);
         for i in 1..=self.rounds {
             let seed = run.seed.child(Purpose::Round, i as u64);
             // Execute pi^{i-1}.

@@ -78,7 +78,7 @@ impl Stacking {
     where
         P::Space: Space<View = Features>,
     {
-        self.train_by(problem, learner, run, |stacked, run| Supervised {}.train(stacked, learner, run))
+        self.train_by(problem, learner, run, |stacked, run| Supervised::default().train(stacked, learner, run))
     }
 
     /// Trains the first stage on `problem` with `learner`, and the second by `second`.

@@ -1,17 +1,18 @@
 //! The supervised approach to imitation (Ross & Bagnell 2010, section 2.1).
 
-use super::{Book, Run, Trained};
+use super::{Book, Run, Trained, check_rounds};
 use crate::error::Result;
-use crate::learner::{Learner, Setting};
+use crate::learner::{Examples, Learner, Setting};
 use crate::policy::{Follow, Greedy};
 use crate::roll;
 use crate::seed::Purpose;
-use crate::space::{Problem, ViewOf};
+use crate::space::{Gather, Problem, ViewOf};
 use crate::worker::all;
 use serde::{Deserialize, Serialize};
 
 /// Learns to replicate the expert on the states that the *expert* reaches. Its regret can grow with the square of the horizon (Theorem
-/// 2.1): after a mistake it is in states that it never saw.
+/// 2.1): after a mistake it is in states that it never saw. Further rounds only bring more of the same: after each, it learns anew from all data so
+/// far, so that it can be set against trainers of as many rounds at equal data.
 ///
 /// ```
 /// use rollin::learner::Perceptron;
@@ -21,28 +22,48 @@ use serde::{Deserialize, Serialize};
 /// let problem = Imitation { space: RealWorld, expert: Follow, episodes: 20 };
 /// let trained = Supervised::default().train(&problem, &Perceptron::default(), &Run::new(1))?;
 /// assert_eq!(trained.ledger.labels, 200); // 20 episodes of 10 steps
+/// let trained = Supervised { rounds: 3 }.train(&problem, &Perceptron::default(), &Run::new(1))?;
+/// assert_eq!(trained.ledger.labels, 600);
 /// # Ok::<(), rollin::Error>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Supervised {}
+pub struct Supervised {
+    /// Rounds in which data are collected and learned from.
+    pub rounds: usize,
+}
+
+impl Default for Supervised {
+    fn default() -> Self {
+        Supervised { rounds: 1 }
+    }
+}
 
 impl Supervised {
     /// Trains on `problem` with `learner`.
     ///
     /// # Errors
-    /// When the problem has no episodes.
+    /// When there are no rounds or the problem has no episodes.
     pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
         problem: &P,
         learner: &L,
         run: &Run<'_>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
+        check_rounds(self.rounds)?;
         let mut book = Book::open(problem, run)?;
-        let seed = run.seed.child(Purpose::Round, 1);
-        let round = book.bill(roll::labels(problem, &Follow, &all(problem), seed));
-        let classifier = learner.fit(Setting::of(problem), &round.examples, None, seed.child(Purpose::Learner, 0));
-        book.round(1, round.cost);
-        Ok(book.close(Greedy(classifier)))
+        let mut data = Examples::default();
+        let mut i = 1;
+        loop {
+            let seed = run.seed.child(Purpose::Round, i as u64);
+            let round = book.bill(roll::labels(problem, &Follow, &all(problem), seed));
+            data.absorb(round.examples);
+            let classifier = learner.fit(Setting::of(problem), &data, None, seed.child(Purpose::Learner, 0));
+            book.round(self.rounds, round.cost);
+            if i == self.rounds {
+                return Ok(book.close(Greedy(classifier)));
+            }
+            i += 1;
+        }
     }
 }

@@ -15,7 +15,7 @@ pub use memo::Memo;
 pub use visit::Visit;
 
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Episode, Gather, Problem, Space, ViewOf};
+use crate::space::{Action, Episode, Gather, Problem, Space, StateOf, ViewOf};
 use rayon::prelude::*;
 use visit::Kind;
 
@@ -38,7 +38,16 @@ impl<'p, P: Problem> Worker<'p, P> {
     }
 
     /// Runs `episode`: at each state `drive` says what to do, or abandons the episode with `None`. Returns the total cost.
-    pub fn episode(&mut self, episode: Episode, mut drive: impl FnMut(&mut Visit<'_, P>) -> Option<Action>) -> f64 {
+    pub fn episode(&mut self, episode: Episode, drive: impl FnMut(&mut Visit<'_, P>) -> Option<Action>) -> f64 {
+        self.run(episode, drive).0
+    }
+
+    /// The same; returns the state in which it ended as well, for those who measure.
+    pub(crate) fn run(
+        &mut self,
+        episode: Episode,
+        mut drive: impl FnMut(&mut Visit<'_, P>) -> Option<Action>,
+    ) -> (f64, StateOf<P>) {
         let space = self.problem.space();
         let mut state = space.start(episode);
         let mut total = 0.0;
@@ -54,11 +63,11 @@ impl<'p, P: Problem> Worker<'p, P> {
             self.ledger.steps += 1;
             total += space.step(&mut state, action, seed);
         }
-        total
+        (total, state)
     }
 }
 
-/// Episodes per shard: the unit of work of a thread. Results do not depend on it.
+/// Episodes per shard, the unit of work of a thread, where there are many of them.
 const SHARD: usize = 16;
 
 /// Runs `episodes`, each keyed by `seed` and its number, on all threads of the current rayon pool.
@@ -76,8 +85,10 @@ where
     M: Default + Send,
     G: Gather,
 {
+    // Few episodes are long ones. How they are cut must not depend on the threads, because sums do depend on it.
+    let shard = (episodes.len() / SHARD).clamp(1, SHARD);
     let shards: Vec<(G, Ledger)> = episodes
-        .par_chunks(SHARD)
+        .par_chunks(shard)
         .map_init(
             || (ViewOf::<P>::default(), M::default()),
             |(view, memory), shard| {

@@ -57,6 +57,11 @@ impl<'v, P: Problem> Visit<'v, P> {
         self.spent
     }
 
+    /// The state, for those who draw it; trainers have no business with it.
+    pub(crate) fn state(&self) -> &'v StateOf<P> {
+        self.state
+    }
+
     /// The legal actions; never none.
     pub fn legal(&self) -> Actions<'v> {
         self.problem.space().legal(self.state)

@@ -97,7 +97,7 @@ proptest! {
             Trainer::LolsOnline(lols(1.0)),
             Trainer::LolsOnline(lols(0.0)),
             Trainer::Stacked(Stacking { folds: 4, window: 2 }),
-            Trainer::Smile(Smile { alpha: 1.0, rounds: 3, warm: true, reuse: Reuse::None }),
+            Trainer::Smile(Smile { alpha: 1.0, rounds: 3, warm: true, ..Smile::default() }),
             Trainer::Searn(searn.clone()),
             Trainer::SearnShortcut(searn),
         ];
@@ -134,7 +134,7 @@ fn the_experts_acts_are_as_many_as_predicted() {
         let problem = problem(&sample(labels, 300));
         let (extent, n) = (Extent::of(&problem), tokens(&problem) as f64);
         for (rate, rounds) in [(0.1, 6), (0.4, 4), (0.7, 3)] {
-            let smile = Trainer::Smile(Smile { alpha: rate, rounds, warm: true, reuse: Reuse::None });
+            let smile = Trainer::Smile(Smile { alpha: rate, rounds, warm: true, ..Smile::default() });
             let searn = Trainer::SearnShortcut(Searn { beta: rate, rounds, ..Searn::default() });
             for trainer in [smile, searn] {
                 for seed in 1..=2 {

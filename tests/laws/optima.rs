@@ -214,7 +214,7 @@ fn trees_and_nets_learn_an_exclusive_or() {
     let shown = cases.iter().chain([&cases[0], &cases[0]]);
     let examples = shown.map(|(x, best)| (x.to_vec(), cost(*best))).collect();
     let small = Small { features: 3, actions: 2, examples };
-    let net = Net { units: 8, passes: 2000, batch: 2, rate: 0.02, step: Step::Adam };
+    let net = Net { units: 8, passes: 2000, batch: 2, rate: 0.02, step: Step::Adam, ..Net::default() };
     let adagrad = Net { step: Step::Adagrad, rate: 0.2, ..net.clone() };
     let (tree, net, adagrad) = (small.fit(&CostTree { depth: 2, leaf: 1 }), small.fit(&net), small.fit(&adagrad));
     for (x, best) in cases {

@@ -26,7 +26,7 @@ fn naive_choice(space: &Tagging, state: &Position, classifier: &Linear) -> Actio
     let legal: Vec<Action> = space.legal(state).iter().collect();
     let score = |a: Action| match classifier.columns {
         Columns::Actions => sums[a.index()],
-        Columns::Tree => unreachable!("no tree is grown here"),
+        Columns::Tree | Columns::Bits => unreachable!("no tree is grown here, and no bit is learned"),
         Columns::Pairs => {
             let beats = |b: &&Action| match a.cmp(b) {
                 std::cmp::Ordering::Less => sums[Columns::pair(space.actions(), a.index(), b.index())] >= 0.0,

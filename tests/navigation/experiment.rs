@@ -33,7 +33,7 @@ type Problem<V> = Imitation<Navigation<V>, Cheapest>;
 fn learn<V: Eyes, L: Learner<V>>(train: &Problem<V>, test: &Problem<V>, learner: &L, seed: u64) -> [(f64, Ledger); 4] {
     let run = Run::new(seed);
     let smile = Smile { alpha: 0.3, rounds: 5, ..Smile::default() };
-    let supervised = Supervised {}.train(train, learner, &run).expect("trains");
+    let supervised = Supervised::default().train(train, learner, &run).expect("trains");
     let dagger = Dagger { rounds: 5, ..Dagger::default() }.train(train, learner, &run).expect("trains");
     let smile = smile.train(train, learner, &run).expect("trains");
     let sampled = ratio(test, &smile.policy);

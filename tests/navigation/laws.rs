@@ -122,14 +122,14 @@ fn small() -> Maps {
 fn every_trainer_plans() {
     let problem = drawn::<Place>(&small(), 30, 1);
     let (learner, run) = (MaximumMargin::default(), Run::new(1));
-    let smile = Smile { alpha: 0.5, rounds: 3, warm: true, reuse: Reuse::None };
+    let smile = Smile { alpha: 0.5, rounds: 3, warm: true, ..Smile::default() };
     let searn = Searn { beta: 0.5, rounds: 2, samples: 1, warm: false };
     let (dagger, aggrevate) =
         (Dagger { rounds: 2, ..Dagger::default() }, Aggrevate { rounds: 2, ..Aggrevate::default() });
     let train = || -> rollin::Result<Vec<f64>> {
         let forward = Forward::default().train(&problem, &learner, &run)?;
         Ok(vec![
-            ratio(&problem, &Supervised {}.train(&problem, &learner, &run)?.policy),
+            ratio(&problem, &Supervised::default().train(&problem, &learner, &run)?.policy),
             ratio(&problem, &forward.policy),
             ratio(&problem, &smile.train(&problem, &learner, &run)?.policy),
             ratio(&problem, &searn.train_by(&problem, &learner, &Shortcut, &run)?.policy),
@@ -170,7 +170,7 @@ fn every_trainer_goes_by_features() {
     let (dagger, lols) = (Dagger { rounds: 3, ..Dagger::default() }, Lols { rounds: 4, ..Lols::default() });
     let searn = Searn { beta: 0.5, rounds: 2, samples: 1, warm: false };
     for trainer in [
-        Trainer::Supervised(Supervised {}),
+        Trainer::Supervised(Supervised::default()),
         Trainer::Forward(Forward { warm: true, ..Forward::default() }),
         Trainer::Smile(Smile { alpha: 0.5, rounds: 3, ..Smile::default() }),
         Trainer::Searn(searn.clone()),
@@ -221,7 +221,8 @@ fn threads_change_nothing_and_seeds_do() {
 fn scores_do_not_depend_on_what_was_asked_before() {
     let problem = drawn::<Place>(&small(), 8, 1);
     let space = &problem.space;
-    let planner = Supervised {}.train(&problem, &MaximumMargin::default(), &Run::new(1)).expect("trains").policy.0;
+    let planner =
+        Supervised::default().train(&problem, &MaximumMargin::default(), &Run::new(1)).expect("trains").policy.0;
     let mut kept = Default::default();
     for i in 0..400u64 {
         let trip = (Seed::new(i).unit() * 8.0) as u32;
@@ -247,7 +248,7 @@ fn scores_do_not_depend_on_what_was_asked_before() {
 #[test]
 fn the_bill_is_that_of_the_cheapest_ways() {
     let problem = drawn::<Features>(&small(), 20, 3);
-    let trained = Supervised {}.train(&problem, &Perceptron::default(), &Run::new(1)).expect("trains");
+    let trained = Supervised::default().train(&problem, &Perceptron::default(), &Run::new(1)).expect("trains");
     let ways: usize = (0..20)
         .map(|trip| {
             let world = problem.space.world();

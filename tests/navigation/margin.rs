@@ -81,7 +81,7 @@ fn the_expert_is_recovered() {
     let maps = Maps { width: 10, height: 10, patches: 25, costs: vec![1.0, 3.0, 9.0], ..Maps::default() };
     let (train, test) = (drawn::<Place>(&maps, 60, 1), drawn::<Place>(&maps, 60, 2));
     let (learner, run) = (MaximumMargin::default(), Run::new(1));
-    let supervised = Supervised {}.train(&train, &learner, &run).expect("trains").policy;
+    let supervised = Supervised::default().train(&train, &learner, &run).expect("trains").policy;
     let smile = Smile { alpha: 0.5, rounds: 3, ..Smile::default() }.train(&train, &learner, &run).expect("trains");
     let dagger = Dagger { rounds: 3, ..Dagger::default() }.train(&train, &learner, &run).expect("trains");
     let forward = Forward { warm: true, ..Forward::default() }.train(&train, &learner, &run).expect("trains");

@@ -46,6 +46,10 @@ impl Store<Place> for Vec<Place> {
         Vec::push(self, *view);
     }
 
+    fn recall(&self, i: usize, view: &mut Place) {
+        *view = self[i];
+    }
+
     fn extend_from(&mut self, other: &Self) {
         self.extend_from_slice(other);
     }

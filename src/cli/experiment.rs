@@ -1,0 +1,128 @@
+//! `rollin experiment`
+
+use super::options::read;
+use super::progress::Work;
+use super::{Global, print, print_json};
+use crate::error::{Error, Result};
+use crate::experiment::{Filmed, Lab, Plan, Platforming, Racing, Scale, claims, text};
+use crate::output::{check_writable, write_whole};
+use crate::seed::Seed;
+use crate::tasks::kart::Tracks;
+use crate::tasks::platformer::Levels;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+
+/// A game.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GameName {
+    /// Drive a lap by what the camera sees
+    Kart,
+    /// Run and jump through a level by what is around
+    Platformer,
+}
+
+/// Where a game takes place, if not where the program says.
+#[derive(Args)]
+pub struct Place {
+    /// A grammar of levels, for platformer [default: the one in the program]
+    #[arg(long, value_name = "FILE")]
+    levels: Option<PathBuf>,
+    /// A grammar of tracks, for kart [default: the one in the program]
+    #[arg(long, value_name = "FILE")]
+    tracks: Option<PathBuf>,
+}
+
+impl Place {
+    /// The platform game there.
+    pub fn platforming(&self) -> Result<Platforming> {
+        refuse("--tracks", self.tracks.as_deref(), "platformer")?;
+        Platforming::new(self.levels.as_ref().map_or_else(Levels::standard, Levels::read)?)
+    }
+
+    /// The kart there.
+    pub fn racing(&self) -> Result<Racing> {
+        refuse("--levels", self.levels.as_deref(), "kart")?;
+        // One track for all seeds: what is learned on it is driven on it.
+        Racing::new(&self.tracks.as_ref().map_or_else(Tracks::standard, Tracks::read)?, Seed::new(1))
+    }
+}
+
+/// Refuses a file that the game has no use for.
+fn refuse(name: &'static str, file: Option<&Path>, game: &str) -> Result<()> {
+    file.map_or(Ok(()), |file| Err(Error::argument(name, file.display(), format!("left out: {game} has none"))))
+}
+
+/// Run the experiments of Ross & Bagnell (2010, section 5) on two games: who learns to play from how many of the expert's answers.
+///
+/// Every method is measured after every round on games that nobody trained on. What the paper claims is held against the intervals that come out; a
+/// claim that does not come out is told, and is no error.
+#[derive(Args)]
+pub struct Experiment {
+    /// The game
+    #[arg(value_enum, value_name = "GAME")]
+    game: GameName,
+    /// As small as can be: the same methods and rounds in minutes
+    #[arg(long, conflicts_with = "scale")]
+    quick: bool,
+    /// The part of the paper's examples, above 0 and at most 1 (for kart: of ten trainings)
+    /// [default: 0.1, for kart 0.3]
+    #[arg(long, value_name = "PART")]
+    scale: Option<f64>,
+    /// Follow the plan in this file, as it is kept in a folder of --resume; its seed is what counts
+    #[arg(long, conflicts_with_all = ["quick", "scale"], value_name = "FILE")]
+    plan: Option<PathBuf>,
+    /// These methods only, separated by commas [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    methods: Vec<String>,
+    /// Keep finished parts in this folder and go on from those that are there already: the result is the same as without
+    #[arg(long, value_name = "FOLDER")]
+    resume: Option<PathBuf>,
+    /// Write what each method had learned at the end of its first training to this folder, a model file for each: for `rollin drive`
+    #[arg(long, value_name = "FOLDER")]
+    models: Option<PathBuf>,
+    #[command(flatten)]
+    place: Place,
+}
+
+impl Experiment {
+    pub fn run(&self, global: &Global) -> Result<()> {
+        let scale = |default| if self.quick { Scale::Quick } else { Scale::Part(self.scale.unwrap_or(default)) };
+        match self.game {
+            GameName::Kart => self.run_on(&self.place.racing()?, Racing::plan(scale(0.3), global.seed)?, global),
+            GameName::Platformer => {
+                self.run_on(&self.place.platforming()?, Platforming::plan(scale(0.1), global.seed)?, global)
+            }
+        }
+    }
+
+    fn run_on<G: Filmed>(&self, game: &G, mut plan: Plan, global: &Global) -> Result<()> {
+        if let Some(path) = &self.plan {
+            let parsed = serde_json::from_slice(&read(path)?);
+            plan = parsed.map_err(|error| Error::file(path, error.to_string(), "give a plan.json of --resume"))?;
+        }
+        if let Some(name) = self.methods.iter().find(|name| plan.methods.iter().all(|method| method.name != **name)) {
+            let known: Vec<&str> = plan.methods.iter().map(|method| method.name.as_str()).collect();
+            return Err(Error::argument("--methods", name, format!("some of {}", known.join(", "))));
+        }
+        plan.methods.retain(|method| self.methods.is_empty() || self.methods.contains(&method.name));
+        if let Some(folder) = &self.models {
+            std::fs::create_dir_all(folder).map_err(|source| Error::io("make", folder, source))?;
+            check_writable(&folder.join("model"))?;
+        }
+        let work = Work::new(G::NAME, global.quiet);
+        let watch = |tick: &_| work.show(tick);
+        let learnt = Lab { game, plan: &plan, folder: self.resume.clone(), watch: &watch }.run()?;
+        drop(work);
+        if let Some(folder) = &self.models {
+            for (name, driver) in &learnt.drivers {
+                let about = format!("{name}, seed {}", plan.seed);
+                write_whole(&folder.join(format!("{name}.model")), &driver.to_bytes::<G::View>(G::NAME, &about))?;
+            }
+        }
+        let claims = claims(&learnt.findings);
+        if global.json {
+            return print_json(&serde_json::json!({ "findings": learnt.findings, "claims": claims }));
+        }
+        print(&text(&learnt.findings, &claims))
+    }
+}

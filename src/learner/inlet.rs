@@ -1,0 +1,202 @@
+//! The input layers of nets in the making: one for sparse binary features, one for dense numbers.
+
+use super::Setting;
+use crate::policy::{Columns, Layer, Linear, Rows, Weights};
+use crate::seed::{Purpose, Seed};
+use crate::space::{Dense, Features, Sight, View};
+use rand::RngExt;
+
+/// What is kept of weights beside them: their gradient in the batch, its running mean and that of its square, one behind the other, each as
+/// long as the weights.
+pub(super) const BESIDE: usize = 3;
+
+/// A view that a net can have for its input.
+pub trait Sensed: View {
+    /// The input layer.
+    type Layer: Layer<Self>;
+    /// The same in the making.
+    type Inlet: Inlet<Self>;
+}
+
+impl Sensed for Features {
+    type Layer = Linear;
+    type Inlet = Sparse;
+}
+
+impl Sensed for Dense {
+    type Layer = Rows;
+    type Inlet = Full;
+}
+
+/// An input layer in the making: its weights and what is kept beside them.
+pub trait Inlet<V: Sensed>: Clone + Send + Sync {
+    /// A layer of `columns` units for this setting: that of a net that was learned before, or a new one.
+    fn begin(setting: Setting<'_, V>, columns: usize, warm: Option<&V::Layer>) -> Self;
+
+    /// The layer as it is now.
+    fn layer(&self) -> &V::Layer;
+
+    /// Draws, below `seed`, first weights for what is seen at `sight` for the first time.
+    fn meet(&mut self, sight: &Sight<'_, V>, seed: Seed);
+
+    /// Adds to the batch's gradient: `slopes` are those of the loss at what goes into the units, padding included.
+    fn learn(&mut self, sight: &Sight<'_, V>, slopes: &[f32]);
+
+    /// Hands weights that may have a gradient to `change`, with what is kept beside them; the next batch begins.
+    fn step(&mut self, change: impl FnMut(&mut [f32], &mut [f32]));
+
+    /// What has been learned.
+    fn finish(self) -> V::Layer;
+}
+
+/// Numbers drawn evenly from ±`scale`.
+fn draw(weights: &mut [f32], scale: f32, seed: Seed) {
+    let mut rng = seed.rng();
+    weights.iter_mut().for_each(|w| *w = scale * (2.0 * rng.random::<f32>() - 1.0));
+}
+
+/// Weights of sparse binary features: only those that have been seen have any.
+#[derive(Clone, Debug)]
+pub struct Sparse {
+    layer: Linear,
+    /// What is kept beside the weights, row after row as there.
+    beside: Vec<f32>,
+    /// The features of the batch, each once, in the order of their first occurrence.
+    pub(super) touched: Vec<u32>,
+    /// The last batch each feature was in, from 1.
+    batches: Vec<u32>,
+    /// The number of the batch at hand, from 1.
+    time: u32,
+}
+
+impl Sparse {
+    /// The weights of `feature` and what is kept beside them.
+    pub(super) fn row(&mut self, feature: u32) -> (&mut [f32], &mut [f32]) {
+        let weights = &mut self.layer.weights;
+        let (place, width) = (weights.make_place(feature), BESIDE * weights.stride());
+        if self.beside.len() < (place + 1) * width {
+            self.beside.resize((place + 1) * width, 0.0);
+        }
+        (weights.row_mut(feature), &mut self.beside[place * width..(place + 1) * width])
+    }
+}
+
+/// The features at `sight`, the static ones first.
+fn features<'a>(sight: &'a Sight<'_, Features>) -> impl Iterator<Item = u32> + 'a {
+    sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic).copied()
+}
+
+impl Inlet<Features> for Sparse {
+    fn begin(setting: Setting<'_, Features>, columns: usize, warm: Option<&Linear>) -> Self {
+        let features = setting.shared.features();
+        let layer = Linear { actions: columns, columns: Columns::Actions, weights: Weights::new(features, columns) };
+        let mut inlet = Sparse { layer, beside: Vec::new(), touched: Vec::new(), batches: vec![0; features], time: 1 };
+        if let Some(warm) = warm {
+            for feature in 0..warm.weights.features() as u32 {
+                if let Some(row) = warm.weights.row(feature) {
+                    inlet.row(feature).0.copy_from_slice(row);
+                }
+            }
+        }
+        inlet
+    }
+
+    fn layer(&self) -> &Linear {
+        &self.layer
+    }
+
+    fn meet(&mut self, sight: &Sight<'_, Features>, seed: Seed) {
+        for feature in features(sight) {
+            if self.layer.weights.row(feature).is_none() {
+                let scale = 1.0 / (features(sight).count() as f32).sqrt();
+                let columns = self.layer.actions;
+                let (row, _) = self.row(feature);
+                draw(&mut row[..columns], scale, seed.child(Purpose::Learner, u64::from(feature)));
+            }
+        }
+    }
+
+    fn learn(&mut self, sight: &Sight<'_, Features>, slopes: &[f32]) {
+        for feature in features(sight) {
+            let (_, g) = self.row(feature);
+            g.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope);
+            if std::mem::replace(&mut self.batches[feature as usize], self.time) != self.time {
+                self.touched.push(feature);
+            }
+        }
+    }
+
+    fn step(&mut self, mut change: impl FnMut(&mut [f32], &mut [f32])) {
+        let mut touched = std::mem::take(&mut self.touched);
+        for feature in touched.drain(..) {
+            let (weights, beside) = self.row(feature);
+            change(weights, beside);
+        }
+        self.touched = touched;
+        self.time += 1;
+    }
+
+    fn finish(self) -> Linear {
+        Linear { weights: self.layer.weights.map_rows(|_, _| {}), ..self.layer }
+    }
+}
+
+/// Weights of dense numbers.
+#[derive(Clone, Debug)]
+pub struct Full {
+    layer: Rows,
+    /// What is kept beside the weights: three times as much.
+    pub(super) beside: Vec<f32>,
+    drawn: bool,
+}
+
+#[cfg(test)]
+impl Full {
+    /// The weights and what is kept beside them.
+    pub(super) fn parts(&mut self) -> (&mut [f32], &mut [f32]) {
+        (&mut self.layer.weights, &mut self.beside)
+    }
+}
+
+impl Inlet<Dense> for Full {
+    fn begin(setting: Setting<'_, Dense>, columns: usize, warm: Option<&Rows>) -> Self {
+        let new = Rows::new(setting.shared.0, columns);
+        let warm = warm.filter(|warm| warm.columns == columns && warm.weights.len() == new.weights.len());
+        let (layer, drawn) = (warm.cloned().unwrap_or(new), warm.is_some());
+        Full { beside: vec![0.0; BESIDE * layer.weights.len()], layer, drawn }
+    }
+
+    fn layer(&self) -> &Rows {
+        &self.layer
+    }
+
+    fn meet(&mut self, sight: &Sight<'_, Dense>, seed: Seed) {
+        if !std::mem::replace(&mut self.drawn, true) {
+            let (stride, columns) = (self.layer.stride(), self.layer.columns);
+            let scale = 1.0 / (sight.view.0.len().max(1) as f32).sqrt();
+            for (i, row) in self.layer.weights.chunks_exact_mut(stride).enumerate() {
+                draw(&mut row[..columns], scale, seed.child(Purpose::Learner, i as u64));
+            }
+        }
+    }
+
+    fn learn(&mut self, sight: &Sight<'_, Dense>, slopes: &[f32]) {
+        let stride = self.layer.stride();
+        let add = |(x, row): (&f32, &mut [f32])| {
+            for (g, slope) in row.as_chunks_mut::<8>().0.iter_mut().zip(slopes.as_chunks::<8>().0) {
+                for c in 0..8 {
+                    g[c] += x * slope[c];
+                }
+            }
+        };
+        sight.view.0.iter().zip(self.beside.chunks_exact_mut(stride)).for_each(add);
+    }
+
+    fn step(&mut self, mut change: impl FnMut(&mut [f32], &mut [f32])) {
+        change(&mut self.layer.weights, &mut self.beside);
+    }
+
+    fn finish(self) -> Rows {
+        self.layer
+    }
+}

@@ -1,0 +1,107 @@
+//! `rollin experiment` and `rollin drive`.
+
+use crate::balance;
+use assert_cmd::Command;
+use rollin::experiment::{Amount, Length, Plan, Platforming, Racing, Scale};
+use serde_json::Value;
+use std::path::Path;
+use tempfile::TempDir;
+
+fn run(folder: &TempDir, line: &str) -> (bool, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rollin"));
+    let output = command.current_dir(folder.path()).args(line.split_whitespace()).output().expect("the program runs");
+    let ok = output.status.success();
+    assert!(ok || output.status.code() == Some(2), "{line}: {:?}", output.status);
+    (ok, String::from_utf8(if ok { output.stdout } else { output.stderr }).expect("text"))
+}
+
+fn good(folder: &TempDir, line: &str) -> String {
+    let (ok, text) = run(folder, line);
+    assert!(ok, "{line}: {text}");
+    text
+}
+
+fn bad(folder: &TempDir, line: &str, expected: &str) {
+    let (ok, text) = run(folder, line);
+    assert!(!ok && text.contains(expected), "{line}: {text}");
+}
+
+/// The first two methods of a plan, in their smallest form.
+fn small(mut plan: Plan, length: Length, path: &Path) {
+    plan.methods.truncate(2);
+    (plan.games, plan.trainings) = (2, 1);
+    for method in &mut plan.methods {
+        method.amount = Amount { episodes: 1, length };
+        (method.learner.folds, method.learner.most) = (0, 1);
+        match &mut method.teaching {
+            rollin::experiment::Teaching::Supervised(supervised) => supervised.rounds = 2,
+            rollin::experiment::Teaching::Smile(smile) => smile.rounds = 2,
+            other => panic!("{other:?} is not among the first"),
+        }
+    }
+    std::fs::write(path, serde_json::to_vec(&plan).expect("a plan is data")).expect("the folder takes files");
+}
+
+/// The data in a page.
+fn data(page: &str) -> Value {
+    let start = page.find("const data = ").expect("the data") + "const data = ".len();
+    let mut read = serde_json::Deserializer::from_str(&page[start..]).into_iter::<Value>();
+    read.next().expect("something").expect("JSON")
+}
+
+#[test]
+fn from_a_plan_to_a_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    small(Platforming::plan(Scale::Quick, 1).expect("a plan"), Length::Marathon(20), &path("platformer.json"));
+    small(Racing::plan(Scale::Quick, 1).expect("a plan"), Length::Short(60), &path("kart.json"));
+    for (game, most) in [("platformer", 750), ("kart", 3000)] {
+        let line = format!("experiment {game} --plan {game}.json --resume kept-{game} --models models-{game}");
+        let (first, json) = (good(&folder, &line), good(&folder, &format!("{line} --json")));
+        assert!(first.contains("supervised") && first.contains("the bill") && first.contains("claim"), "{first}");
+        assert_eq!(first, good(&folder, &line), "a second time from what was kept");
+        let found: Value = serde_json::from_str(&json).expect("JSON");
+        assert_eq!(found["findings"]["points"].as_array().map(Vec::len), Some(4));
+        assert!(found["claims"].as_array().is_some_and(|claims| !claims.is_empty()));
+
+        let models = format!("--model models-{game}/smile-0.1.model --against models-{game}/supervised.model");
+        let told = good(&folder, &format!("drive --task {game} {models} --html {game}.html"));
+        assert!(told.contains("decisions differ"), "{told}");
+        let page = std::fs::read_to_string(path(&format!("{game}.html"))).expect("the page");
+        assert!(!page.contains("http"), "the page needs nothing else");
+        let data = data(&page);
+        let rides = data["rides"].as_array().expect("rides");
+        assert_eq!((data["task"].as_str(), rides.len()), (Some(game), 2));
+        for ride in rides {
+            let count = |what: &str| ride[what].as_array().map_or(0, Vec::len);
+            assert!(count("choices") > 0 && count("choices") <= most && count("starts") == count("choices"), "{game}");
+            assert!(count("film") > count("starts") && !ride["scene"].is_null());
+        }
+    }
+    bad(&folder, "drive --task kart --model models-platformer/smile-0.1.model --html x.html", "a kart model is needed");
+    bad(&folder, "drive --task kart --model kart.json --html x.html", "not a rollin model");
+    bad(&folder, "tag --model models-kart/smile-0.1.model", "a model for kart");
+    bad(&folder, "experiment kart --plan platformer.json", "game is platformer");
+    bad(&folder, "experiment kart --plan kart.html", "kart.html");
+    bad(&folder, "experiment kart --scale 2", "above 0 and at most 1");
+    bad(&folder, "experiment kart --levels x", "left out");
+    bad(&folder, "experiment platformer --methods nobody", "supervised, smile-0.1");
+    bad(&folder, "experiment platformer --resume kept-platformer --quick", "another experiment");
+    assert!(!path("x.html").exists());
+    assert!(balance::plan(&["smile"]).validate().is_ok());
+}
+
+/// What a user runs first, whole: minutes. The claims that come out at this size are not tested; that all is there is.
+#[test]
+#[ignore = "takes some minutes"]
+fn quick_experiments_run_through() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for game in ["platformer", "kart"] {
+        let found: Value =
+            serde_json::from_str(&good(&folder, &format!("experiment {game} --quick --json"))).expect("JSON");
+        let plan = &found["findings"]["plan"];
+        let methods = plan["methods"].as_array().expect("methods").len();
+        assert!(found["findings"]["points"].as_array().is_some_and(|points| points.len() > 10 * methods), "{game}");
+        assert!(found["claims"].as_array().is_some_and(|claims| claims.len() >= 5), "{game}");
+    }
+}
