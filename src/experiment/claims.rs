@@ -110,7 +110,7 @@ fn affordable(findings: &Findings, without: &str, with: &str) -> Option<usize> {
     let most = findings.bill(with, end, |ledger| ledger.labels);
     let rounds = findings.rounds(without);
     let within = rounds.iter().copied().filter(|round| findings.bill(without, *round, |ledger| ledger.labels) <= most);
-    within.last().or(rounds.first().copied())
+    within.max().or(rounds.first().copied())
 }
 
 fn judge(findings: &Findings, text: String, kind: Kind, left: Side<'_>, right: Side<'_>) -> Option<Claim> {

@@ -274,7 +274,7 @@ impl<V: Sensed> Online<V> for Net {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::{Actions, Dense, FeatureTable, NO_ROW, Width};
+    use crate::space::{Actions, Dense, FeatureTable, Width};
 
     /// How far the steps of a difference go.
     const STEP: f32 = 1e-2;

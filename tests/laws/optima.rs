@@ -9,7 +9,7 @@ use rollin::learner::{
 };
 use rollin::policy::{Calibrated, Classifier, Linear, Valued};
 use rollin::roll::{Shortcut, perform};
-use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Sight};
+use rollin::space::{Action, Actions, FeatureTable, Features, Sight};
 use rollin::trainer::{Aggrevate, Cpi, Dagger, Forward, Lols, Run, Searn, Smile, Supervised};
 
 /// Examples of a few features, all of them dynamic, all actions legal.

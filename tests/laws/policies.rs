@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use rollin::learner::{Examples, Learner, Logistic, Online, Perceptron, Setting, Target};
 use rollin::policy::{Classifier, Greedy, Ladder, Linear, Mixture, Policy, Reading};
 use rollin::roll::perform;
-use rollin::space::{Action, Actions, Episode, FeatureTable, Features, Problem, Sight, Space, Store};
+use rollin::space::{Action, Actions, Episode, FeatureTable, Features, Problem, Sight, Space};
 use rollin::tasks::AnyLearner;
 use rollin::tasks::tagging::{Learned, TaggingProblem, Trainer};
 use rollin::trainer::Run;

@@ -7,7 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use rollin::learner::{Csoaa, FilterTree, Lesson, Rule, Target, Wap, reduce};
 use rollin::policy::{Classifier, Columns, Linear, Weights};
-use rollin::space::{Action, Actions, FeatureTable, Features, NO_ROW, Sight};
+use rollin::space::{Action, Actions, FeatureTable, Features, Sight};
 
 /// A distribution of costs in [0, 1]: probabilities and one vector each.
 #[derive(Clone, Debug)]
