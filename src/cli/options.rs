@@ -133,13 +133,18 @@ impl Reading {
             }
             return Ok(Template::default_for(labels));
         };
-        let template = Template::read_file(path)?;
-        match template.refers_to(labels) {
-            Some(place) => {
-                Err(Error::data(place.clone(), format!("column {labels}, that of the labels"), "another column"))
-            }
-            None => Ok(template),
+        read_template(path, labels)
+    }
+}
+
+/// Reads a template that may not look at the column of labels.
+pub fn read_template(path: &Path, labels: usize) -> Result<Template> {
+    let template = Template::read_file(path)?;
+    match template.refers_to(labels) {
+        Some(place) => {
+            Err(Error::data(place.clone(), format!("column {labels}, that of the labels"), "another column"))
         }
+        None => Ok(template),
     }
 }
 

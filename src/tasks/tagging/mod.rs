@@ -12,7 +12,7 @@ mod transitions;
 
 pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
-pub use task::{Header, Settings, Tagger};
+pub use task::{Columns, Header, Settings, Tagger};
 pub use transitions::{Order, Transitions};
 
 pub use super::{About, AnyLearner, Learned, Trainer};

@@ -78,8 +78,7 @@ impl Task for Encoding {
     type Expert = Gold;
     type Score = Score;
     type Header = Header;
-    /// The number of columns and the line they were first found on.
-    type Stream = Option<(usize, usize)>;
+    type Stream = Columns;
 
     fn parse(text: &[u8], path: &Path) -> Result<Corpus> {
         conll::parse(text, path, 1)
@@ -89,7 +88,7 @@ impl Task for Encoding {
         let corpus = block.corpus(path)?;
         if let Some(corpus) = &corpus {
             self.check_columns(corpus)?;
-            even(*stream.get_or_insert((corpus.columns.len(), corpus.lines[0])), corpus)?;
+            stream.check(corpus)?;
         }
         Ok(corpus)
     }
@@ -251,19 +250,28 @@ fn columns(n: usize) -> String {
     if n == 1 { "1 column".to_owned() } else { format!("{n} columns") }
 }
 
-/// Refuses a block whose lines have another number of columns than those of the blocks before, the first of which stands on
-/// line `line`.
-fn even((expected, line): (usize, usize), block: &Corpus) -> Result<()> {
-    let found = block.columns.len();
-    if found == expected {
-        return Ok(());
+/// The columns of a stream of blocks: how many, and the line on which so many were first found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Columns(Option<(usize, usize)>);
+
+impl Columns {
+    /// Refuses a block whose lines have another number of columns than those of the blocks before.
+    ///
+    /// # Errors
+    /// With the place where the first column too many begins, or one too few would.
+    pub fn check(&mut self, block: &Corpus) -> Result<()> {
+        let found = block.columns.len();
+        let (expected, line) = *self.0.get_or_insert((found, block.lines.first().copied().unwrap_or(0)));
+        if found == expected {
+            return Ok(());
+        }
+        let mut place = block.place(0, found.min(expected));
+        if found < expected {
+            // A word is missing where the line ends, not a separator further on.
+            place.column -= 1;
+        }
+        Err(Error::data(place, columns(found), format!("{} as on line {line}", columns(expected))))
     }
-    let mut place = block.place(0, found.min(expected));
-    if found < expected {
-        // A word is missing where the line ends, not a separator further on.
-        place.column -= 1;
-    }
-    Err(Error::data(place, columns(found), format!("{} as on line {line}", columns(expected))))
 }
 
 impl Data for Corpus {
