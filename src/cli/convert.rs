@@ -1,6 +1,6 @@
 //! `rollin convert`
 
-use super::options::read_template;
+use super::options::{Mending, OrderName, read_template};
 use super::{Global, closed};
 use crate::corpus::{Corpus, Separator};
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use crate::read::attributes::Items;
 use crate::read::conll::{Block, Blocks};
 use crate::read::template::Template;
 use crate::read::{conllu, crfsuite, vw};
-use crate::tasks::tagging::{Columns, LabelColumn};
+use crate::tasks::tagging::{Columns, LabelColumn, Order};
 use clap::{Args, ValueEnum};
 use std::io::{self, BufRead, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -33,9 +33,15 @@ pub struct Convert {
     /// The feature template that makes attributes of columns
     #[arg(long, value_name = "FILE")]
     template: Option<PathBuf>,
-    /// The column the labels stand in, from 0, where attributes are made of columns [default: the last]
+    /// The column the labels stand in, from 0, where attributes are made of columns or labels repaired [default: the last]
     #[arg(long, value_name = "N")]
     label_column: Option<usize>,
+    /// Change labels that break the rule of --order to those of the spans that conlleval reads in them, and say so on standard error
+    #[arg(long)]
+    repair: bool,
+    /// Which label may follow which [default: what the labels suggest; all input is then read before anything is written]
+    #[arg(long, value_enum, value_name = "RULE", requires = "repair")]
+    order: Option<OrderName>,
 }
 
 /// A format of corpora.
@@ -89,14 +95,17 @@ impl Convert {
     }
 
     fn convert(&self, input: impl BufRead, path: &Path) -> Result<()> {
-        // How many columns there must be is known at the end only.
-        let whole = !self.from.has_columns() && self.to.has_columns();
+        // How many columns there must be is known at the end only, and so is what all labels together suggest.
+        let whole = !self.from.has_columns() && self.to.has_columns() || self.repair && self.order.is_none();
         let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
         let (mut columns, mut template, mut empty) = (Columns::default(), None, true);
         for block in Blocks::new(input, if whole { usize::MAX } else { BLOCK }) {
             let block = block.map_err(|error| Error::io("read", path, error))?;
-            let Some(part) = self.read(&block, path, &mut columns)? else { continue };
+            let Some(mut part) = self.read(&block, path, &mut columns)? else { continue };
             empty = false;
+            if self.repair {
+                self.mend(&mut part)?;
+            }
             // Written where all of it can be, so that what is refused leaves no half.
             let mut text = Vec::new();
             self.write(part, &mut template, &mut text)?;
@@ -127,6 +136,19 @@ impl Convert {
         })
     }
 
+    /// Mends the labels.
+    fn mend(&self, part: &mut Part) -> Result<()> {
+        let how = Mending { repair: true, labels: self.labels(), order: self.order.map(Order::from) };
+        match part {
+            Part::Columns(corpus) => how.mend(corpus),
+            Part::Items(items) => how.mend_column(&mut items.labels, 0),
+        }
+    }
+
+    fn labels(&self) -> LabelColumn {
+        self.label_column.map_or(LabelColumn::Last, LabelColumn::At)
+    }
+
     fn write(&self, part: Part, template: &mut Option<Template>, out: &mut Vec<u8>) -> Result<()> {
         let written = match (part, self.to) {
             (Part::Columns(corpus), Format::Conll) => corpus.write(out, Separator::Tab),
@@ -141,7 +163,7 @@ impl Convert {
 
     /// The attributes that the template makes of `corpus`; it is read when it is needed first.
     fn items(&self, corpus: &Corpus, template: &mut Option<Template>) -> Result<Items> {
-        let labels = self.label_column.map_or(LabelColumn::Last, LabelColumn::At).in_corpus(corpus)?;
+        let labels = self.labels().in_corpus(corpus)?;
         let template = match template {
             Some(template) => template,
             None => {

@@ -22,6 +22,9 @@ pub struct Evaluate {
     /// The column the right labels stand in, from 0 [default: where they stood in training]
     #[arg(long, value_name = "N")]
     label_column: Option<usize>,
+    /// Change right labels that break the model's rule to those of the spans that conlleval reads in them, and say so on standard error
+    #[arg(long)]
+    repair: bool,
     /// How to choose a label from a mixture of classifiers [default: as the model says]
     #[arg(long, value_enum, value_name = "NAME")]
     reading: Option<ReadingName>,
@@ -40,8 +43,11 @@ impl Evaluate {
         if let Some(column) = self.label_column {
             model.encoding.set_column(column)?;
         }
-        let data = read_corpus::<T>(&self.data)?;
+        let mut data = read_corpus::<T>(&self.data)?;
         model.encoding.check(&data)?;
+        if self.repair {
+            T::mend(&mut data, model.encoding.mending(true))?;
+        }
         let space = model.encoding.apply(&data)?;
         let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
         let score = model.encoding.score(&data, &actions)?;

@@ -1,7 +1,7 @@
 //! The tasks as the command line knows them.
 
 use super::compare::Both;
-use super::options::{Reading, SystemName, no_such_setting, read};
+use super::options::{Mending, Reading, SystemName, no_such_setting, read};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::tasks::{Task, ocr, parsing, tagging, task_of};
@@ -67,18 +67,42 @@ pub trait Verbs: Task {
     /// Looks for the right labels in this column.
     fn set_column(&mut self, column: usize) -> Result<()>;
 
+    /// Meets labels that break their rule; there is such a thing in tagging only.
+    fn mend(data: &mut Self::Data, how: Mending) -> Result<()> {
+        let _ = data;
+        if how.repair { Err(no_such_setting("--repair", Self::NAME)) } else { Ok(()) }
+    }
+
+    /// How labels are met that break the rule by which this was trained.
+    fn mending(&self, repair: bool) -> Mending {
+        Mending { repair, labels: tagging::LabelColumn::Last, order: None }
+    }
+
     /// What to compare on where no data are given.
     fn embedded() -> Option<Result<Both<Self::Data>>>;
 }
 
 impl Verbs for tagging::Encoding {
     fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
-        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
+        Ok(tagging::Settings {
+            template: options.template(data)?,
+            labels: options.labels(),
+            order: options.mending().order,
+        })
     }
 
     fn set_column(&mut self, column: usize) -> Result<()> {
         self.label_column = column;
         Ok(())
+    }
+
+    fn mend(data: &mut Corpus, how: Mending) -> Result<()> {
+        how.mend(data)
+    }
+
+    fn mending(&self, repair: bool) -> Mending {
+        let order = Some(self.transitions.order()).filter(|order| *order != tagging::Order::Free);
+        Mending { repair, labels: tagging::LabelColumn::At(self.label_column), order }
     }
 
     fn embedded() -> Option<Result<Both<Corpus>>> {

@@ -12,6 +12,7 @@ mod learners;
 mod mixtures;
 mod ocr;
 mod optima;
+mod orders;
 mod policies;
 mod readings;
 mod regrets;

@@ -162,16 +162,16 @@ impl Tagging {
         if self.transitions.order() == Order::Free || next == end {
             return 0;
         }
-        if self.transitions.after(previous).contains(Action(self.gold[next as usize])) {
+        if self.transitions.after(previous, end - next).contains(Action(self.gold[next as usize])) {
             return 0;
         }
         let mut front = vec![previous];
         for at in next..end {
             let gold = Action(self.gold[at as usize]);
-            if front.iter().any(|y| self.transitions.after(*y).contains(gold)) {
+            if front.iter().any(|y| self.transitions.after(*y, end - at).contains(gold)) {
                 return at - next;
             }
-            front = front.iter().flat_map(|y| self.transitions.after(*y).iter().map(|a| a.0)).collect();
+            front = front.iter().flat_map(|y| self.transitions.after(*y, end - at).iter().map(|a| a.0)).collect();
             front.sort_unstable();
             front.dedup();
         }
@@ -192,7 +192,7 @@ impl Space for Tagging {
 
     #[inline]
     fn legal<'a>(&'a self, state: &'a Position) -> Actions<'a> {
-        if state.left == 0 { Actions::NONE } else { self.transitions.after(state.previous()) }
+        if state.left == 0 { Actions::NONE } else { self.transitions.after(state.previous(), state.left) }
     }
 
     #[inline]

@@ -216,10 +216,7 @@ impl Task for Encoding {
     }
 
     fn facts(&self) -> Vec<Fact> {
-        let order = match self.transitions.order() {
-            Order::Free => "free",
-            Order::Bio => "iob2",
-        };
+        let order = self.transitions.order().name();
         vec![
             Fact { name: "order", text: order.into(), value: order.into() },
             Fact { name: "labels", text: self.labels.join(" "), value: self.labels.clone().into() },
