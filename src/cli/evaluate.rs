@@ -2,8 +2,9 @@
 
 use super::options::{ReadingName, read_corpus};
 use super::tasks::{Verbs, read_model, with_task};
-use super::{Global, print, print_json};
+use super::{Global, closed, print, print_json};
 use crate::error::Result;
+use crate::learner::calibration_error;
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Score};
 use clap::Args;
@@ -38,7 +39,7 @@ impl Evaluate {
 
     fn run_with<T: Verbs>(&self, mut model: Model<T>, global: &Global) -> Result<()> {
         if let Some(reading) = self.reading {
-            model.policy = model.policy.read_as(reading.into());
+            model = model.read_as(reading.into());
         }
         if let Some(column) = self.label_column {
             model.encoding.set_column(column)?;
@@ -51,6 +52,18 @@ impl Evaluate {
         let space = model.encoding.apply(&data)?;
         let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
         let score = model.encoding.score(&data, &actions)?;
-        if global.json { print_json(&score) } else { print(&score.text()) }
+        let (space, numbers) = (model.encoding.apply(&data)?, (data.sentences(), 0));
+        let sure = model.sure(space, &actions, numbers, Seed::new(global.seed));
+        let right = model.encoding.right(&data, &actions)?;
+        let error = sure.map(|sure| calibration_error(sure.into_iter().zip(right)));
+        if global.json {
+            let mut report = serde_json::to_value(&score).map_err(|error| closed(error.into()))?;
+            if let Some(error) = error {
+                report["calibration_error"] = error.into();
+            }
+            return print_json(&report);
+        }
+        let told = error.map(|error| format!("expected calibration error: {:.2}%\n", 100.0 * error));
+        print(&(score.text() + &told.unwrap_or_default()))
     }
 }

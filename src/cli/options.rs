@@ -46,6 +46,9 @@ pub struct Reading {
     /// Learn from the first N sentences only [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub first: Option<u64>,
+    /// The longest span that a segmenter takes, in tokens, at most 64 [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
+    pub span: Option<u8>,
     /// The moves of a parser [default: arc-hybrid]
     #[arg(long, value_enum, value_name = "NAME")]
     pub system: Option<SystemName>,
@@ -157,8 +160,9 @@ impl Reading {
     /// Refuses options of other tasks than `task`.
     pub fn refuse_others(&self, task: &str) -> Result<()> {
         let options = [
-            ("--template", "tagging", self.template.is_some()),
-            ("--label-column", "tagging", self.label_column.is_some()),
+            ("--template", "tagging segmenting", self.template.is_some()),
+            ("--label-column", "tagging segmenting", self.label_column.is_some()),
+            ("--span", "segmenting", self.span.is_some()),
             ("--order", "tagging", self.order.is_some()),
             ("--repair", "tagging", self.repair),
             ("--system", "parsing", self.system.is_some()),
@@ -168,7 +172,7 @@ impl Reading {
             ("--rest", "ocr", self.rest),
             ("--times", "ocr", self.times.is_some()),
         ];
-        match options.iter().find(|(_, of, given)| *given && *of != task) {
+        match options.iter().find(|(_, of, given)| *given && of.split(' ').all(|of| of != task)) {
             Some((name, ..)) => Err(no_such_setting(name, task)),
             None => Ok(()),
         }
@@ -195,6 +199,11 @@ impl Reading {
 
     /// The template, by default one for what `corpus` has before its labels. None may look at the labels themselves.
     pub fn template(&self, corpus: &Corpus) -> Result<Template> {
+        self.template_or(corpus, Template::default_for)
+    }
+
+    /// The same with another default, which is made for so many columns.
+    pub fn template_or(&self, corpus: &Corpus, default: impl Fn(usize) -> Template) -> Result<Template> {
         let labels = self.labels().in_corpus(corpus)?;
         let Some(path) = &self.template else {
             if labels == 0 {
@@ -202,7 +211,7 @@ impl Reading {
                     "above 0, or come with a --template: the default one looks at the columns before the labels'";
                 return Err(Error::argument("--label-column", 0, expected));
             }
-            return Ok(Template::default_for(labels));
+            return Ok(default(labels));
         };
         read_template(path, labels)
     }

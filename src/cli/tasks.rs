@@ -4,7 +4,7 @@ use super::compare::Both;
 use super::options::{Mending, Reading, SystemName, no_such_setting, read};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::tasks::{Task, ocr, parsing, tagging, task_of};
+use crate::tasks::{Task, ocr, parsing, segmenting, tagging, task_of};
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -14,6 +14,8 @@ pub enum TaskName {
     /// One label for every token
     #[default]
     Tagging,
+    /// Spans: the length and the label of the next one
+    Segmenting,
     /// Dependency trees, from CoNLL-U
     Parsing,
     /// Handwritten words, letter by letter
@@ -26,6 +28,10 @@ macro_rules! with_task {
         match $name {
             $crate::cli::tasks::TaskName::Tagging => {
                 type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Segmenting => {
+                type $T = $crate::tasks::segmenting::Spans;
                 $body
             }
             $crate::cli::tasks::TaskName::Parsing => {
@@ -109,6 +115,26 @@ impl Verbs for tagging::Encoding {
         Some(super::compare::embedded())
     }
 }
+
+impl Verbs for segmenting::Spans {
+    fn settings(options: &Reading, data: &Corpus) -> Result<segmenting::Settings> {
+        let (labels, longest) = (options.labels(), options.span.map_or(LONGEST, u32::from));
+        let template = options.template_or(data, |columns| segmenting::default_template(columns, longest))?;
+        Ok(segmenting::Settings { template, labels, longest })
+    }
+
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        self.set_label_column(column);
+        Ok(())
+    }
+
+    fn embedded() -> Option<Result<Both<Corpus>>> {
+        None
+    }
+}
+
+/// The longest span where nothing else is asked for: one in a thousand of CoNLL-2000's is longer.
+const LONGEST: u32 = 8;
 
 impl Verbs for parsing::Encoding {
     fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {

@@ -85,7 +85,7 @@ impl Items {
     }
 
     /// A corpus of as many columns as an item has attributes at most, and one more for the label. Where an item has fewer, `_` stands in the
-    /// columns before the label; blanks and per cent signs are written as [`escape`] does.
+    /// columns before the label; blanks are written as [`escape`] does.
     ///
     /// # Errors
     /// When an attribute is `_`, which would be lost.
@@ -163,24 +163,30 @@ pub fn is_blank(character: char) -> bool {
     matches!(character, ' ' | '\t' | '\r' | '\n')
 }
 
-/// `name` with every character that is `special`, and every per cent sign, as a per cent sign and its code in two hexadecimal digits.
-/// Special characters are ASCII.
+/// `name` with every character that is `special` as a per cent sign and its code in two hexadecimal digits, and so every per cent sign that would
+/// otherwise be read as the beginning of a code. Special characters are ASCII, and neither letters nor digits.
 pub fn escape(name: &str, special: impl Fn(char) -> bool) -> Cow<'_, str> {
-    if !name.contains(|c| c == '%' || special(c)) {
+    let is_special = |(at, c): &(usize, char)| special(*c) || *c == '%' && coded(&name[at + 1..]).is_some();
+    if !name.char_indices().any(|place| is_special(&place)) {
         return Cow::Borrowed(name);
     }
     let mut escaped = String::with_capacity(name.len() + 2);
-    for c in name.chars() {
-        match c {
-            c if c == '%' || special(c) => escaped += &format!("%{:02X}", u32::from(c)),
-            c => escaped.push(c),
+    for place in name.char_indices() {
+        match is_special(&place) {
+            true => escaped += &format!("%{:02X}", u32::from(place.1)),
+            false => escaped.push(place.1),
         }
     }
     Cow::Owned(escaped)
 }
 
-/// What [`escape`] made `name` of. A per cent sign without the code of an ASCII character behind it, or with that of a letter or digit, stands for
-/// itself.
+/// The character whose code follows a per cent sign.
+fn coded(rest: &str) -> Option<char> {
+    let code = rest.get(..2).filter(|code| code.bytes().all(|c| c.is_ascii_hexdigit()))?;
+    u8::from_str_radix(code, 16).ok().filter(|c| c.is_ascii() && !c.is_ascii_alphanumeric()).map(char::from)
+}
+
+/// What [`escape`] made `name` of. A per cent sign without the code of a special character behind it stands for itself.
 pub fn unescape(name: &str) -> Cow<'_, str> {
     if !name.contains('%') {
         return Cow::Borrowed(name);
@@ -188,11 +194,8 @@ pub fn unescape(name: &str) -> Cow<'_, str> {
     let (mut text, mut rest) = (String::with_capacity(name.len()), name);
     while let Some(at) = rest.find('%') {
         text.push_str(&rest[..at]);
-        let code = rest.get(at + 1..at + 3).filter(|code| code.bytes().all(|c| c.is_ascii_hexdigit()));
-        let code = code
-            .and_then(|code| u8::from_str_radix(code, 16).ok())
-            .filter(|c| c.is_ascii() && !c.is_ascii_alphanumeric());
-        text.push(code.map_or('%', char::from));
+        let code = coded(&rest[at + 1..]);
+        text.push(code.unwrap_or('%'));
         rest = &rest[at + if code.is_some() { 3 } else { 1 }..];
     }
     text.push_str(rest);

@@ -65,7 +65,7 @@ fn what_cannot_be_converted_is_refused() {
     let output = folder.rollin("convert --from conll --to conll").write_stdin(uneven).output().expect("it runs");
     assert_eq!(output.status.code(), Some(2));
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(message, "error: <stdin>:80001:2: 1 column; expected 2 columns as on line 1\n");
+    assert_eq!(message, "error: <stdin>:80001:2: 1 column; expected 2 columns as on line 65537\n");
 }
 
 /// Two spans that begin with I-.

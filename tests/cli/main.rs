@@ -6,6 +6,7 @@ mod good;
 mod large;
 mod ocr;
 mod refusals;
+mod spans;
 
 use assert_cmd::Command;
 use serde_json::Value;

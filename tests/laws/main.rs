@@ -18,4 +18,5 @@ mod readings;
 mod regrets;
 mod rollouts;
 mod search;
+mod segmenting;
 mod threads;

@@ -97,6 +97,24 @@ pub struct Position {
 }
 
 impl Position {
+    /// The token at hand.
+    pub fn token(&self) -> u32 {
+        self.token
+    }
+
+    /// How many tokens have no label yet, the one at hand among them.
+    pub fn left(&self) -> u32 {
+        self.left
+    }
+
+    /// Goes `tokens` tokens further on, of which `label` is what was said last.
+    pub(in crate::tasks) fn advance(&mut self, tokens: u32, label: u32) {
+        self.token += tokens;
+        self.left -= tokens;
+        self.history.copy_within(..MAX_ORDER - 1, 1);
+        self.history[0] = label as u16;
+    }
+
     fn previous(&self) -> u32 {
         u32::from(self.history[0])
     }

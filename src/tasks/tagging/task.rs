@@ -12,7 +12,7 @@ use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Task, Training, write_line};
+use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Sureness, Task, Training, write_labels};
 use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -109,18 +109,39 @@ impl Task for Encoding {
         readings::perform(policy, space, number, seed).0.actions
     }
 
+    const CONFIDENT: bool = true;
+
+    fn calibrate(policy: &Learned, problem: &TaggingProblem, episodes: &[usize], seed: Seed) -> Vec<f32> {
+        readings::calibrate(policy, problem, episodes, seed)
+    }
+
+    fn sure(
+        policy: &Learned,
+        space: Tagging,
+        (_, number): (usize, usize),
+        actions: &[Action],
+        how: Sureness<'_>,
+    ) -> Vec<f32> {
+        readings::sure(policy, space, number, actions, how)
+    }
+
+    fn lines(&self, corpus: &Corpus, _: &[Action]) -> Vec<(usize, usize)> {
+        corpus.lines.iter().copied().zip(0..).collect()
+    }
+
+    fn right(&self, corpus: &Corpus, actions: &[Action]) -> Result<Vec<bool>> {
+        let column = &corpus.columns[LabelColumn::At(self.label_column).in_corpus(corpus)?];
+        Ok(actions.iter().enumerate().map(|(t, action)| column.word(t) == self.labels[action.index()]).collect())
+    }
+
     fn apply(&self, corpus: &Corpus) -> Result<Tagging> {
         Encoding::apply(self, corpus)
     }
 
     fn write(&self, block: &Block, of: Option<(&Corpus, &[Action])>, out: &mut impl Write) -> io::Result<()> {
         let (lines, actions) = of.map_or((&[][..], &[][..]), |(corpus, actions)| (&corpus.lines[..], actions));
-        let mut tagged = lines.iter().zip(actions).peekable();
-        for (line, number) in block.lines().zip(block.first_line..) {
-            let label = tagged.next_if(|(at, _)| **at == number);
-            write_line(out, line, label.map(|(_, label)| self.labels[label.index()].as_str()))?;
-        }
-        Ok(())
+        let labels = actions.iter().map(|action| self.labels[action.index()].as_str());
+        write_labels(block, lines.iter().copied().zip(labels), out)
     }
 
     fn check(&self, corpus: &Corpus) -> Result<()> {
