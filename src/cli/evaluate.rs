@@ -52,8 +52,7 @@ impl Evaluate {
         let space = model.encoding.apply(&data)?;
         let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
         let score = model.encoding.score(&data, &actions)?;
-        let (space, numbers) = (model.encoding.apply(&data)?, (data.sentences(), 0));
-        let sure = model.sure(space, &actions, numbers, Seed::new(global.seed));
+        let sure = model.sure(&data, &actions, 0, Seed::new(global.seed))?;
         let right = model.encoding.right(&data, &actions)?;
         let error = sure.map(|sure| calibration_error(sure.into_iter().zip(right)));
         if global.json {

@@ -106,8 +106,7 @@ fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, global: &Gl
     let answered = data.as_ref().map(|data| (data, &actions[..]));
     model.encoding.write(&block, answered, &mut text).map_err(closed)?;
     let Some(data) = &data else { return Ok(text) };
-    let (space, numbers) = (model.encoding.apply(data)?, (data.sentences(), before));
-    let Some(sure) = model.sure(space, &actions, numbers, Seed::new(global.seed)) else { return Ok(text) };
+    let Some(sure) = model.sure(data, &actions, before, Seed::new(global.seed))? else { return Ok(text) };
     // What was written has the same lines: each of a token gets one column more.
     let lines = model.encoding.lines(data, &actions);
     let columns = lines.iter().map(|(line, action)| (*line, format!("{:.4}", sure[*action])));

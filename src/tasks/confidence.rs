@@ -46,48 +46,42 @@ impl Learned {
         }
     }
 
-    /// How sure it was of `actions`, which are what it did in all episodes of `problem` by [`Learned::perform_from`] with the same number and seed. The
-    /// temperatures are those of its classifiers.
-    pub fn sure_from<P: Problem>(
-        &self,
-        problem: &P,
-        actions: &[Action],
-        number: usize,
-        sureness: Sureness<'_>,
-    ) -> Vec<f32>
+    /// How sure it was of what it did in all episodes of `problem` by [`Learned::perform_from`]: the probability of each action.
+    pub fn sure_from<P: Problem>(&self, problem: &P, done: Done<'_>) -> Vec<f32>
     where
         P::Space: Space<View = Features>,
     {
-        let Sureness { temperatures, seed } = sureness;
-        let calibrated: Vec<Calibrated<&Linear>> = (self.classifiers().into_iter().zip(temperatures))
+        let calibrated: Vec<Calibrated<&Linear>> = (self.classifiers().into_iter().zip(done.temperatures))
             .map(|(classifier, temperature)| Calibrated { classifier, temperature: *temperature })
             .collect();
         let last = calibrated.len().saturating_sub(1);
         match self {
             Learned::Stacked(stages) => {
-                let (stacked, _) = stages.stacked(problem, number, seed);
-                replay(&stacked, actions, (number, seed), &calibrated, |_| [(1.0, last)])
+                let (stacked, _) = stages.stacked(problem, done.number, done.seed);
+                replay(&stacked, done, &calibrated, |_| [(1.0, last)])
             }
             Learned::Mixture(mixture) => {
                 let members: Vec<(f64, usize)> =
                     mixture.members().iter().enumerate().map(|(i, (weight, _))| (*weight, i)).collect();
-                replay(problem, actions, (number, seed), &calibrated, |_| members.iter().copied())
+                replay(problem, done, &calibrated, |_| members.iter().copied())
             }
-            Learned::Ladder(_) => replay(problem, actions, (number, seed), &calibrated, |t| [(1.0, t.min(last))]),
-            Learned::Beam(_) | Learned::Readings { .. } => {
-                replay(problem, actions, (number, seed), &calibrated, |_| [(1.0, last)])
-            }
+            Learned::Ladder(_) => replay(problem, done, &calibrated, |t| [(1.0, t.min(last))]),
+            Learned::Beam(_) | Learned::Readings { .. } => replay(problem, done, &calibrated, |_| [(1.0, last)]),
         }
     }
 }
 
-/// What [`Learned::sure_from`] goes by.
+/// What a policy did, and what it takes to tell how sure it was.
 #[derive(Clone, Copy, Debug)]
-pub struct Sureness<'a> {
-    /// The temperature of each classifier.
-    pub temperatures: &'a [f32],
-    /// The seed that the policy performed with.
+pub struct Done<'a> {
+    /// What it did, episode after episode.
+    pub actions: &'a [Action],
+    /// The number of the first episode in the series that it performed.
+    pub number: usize,
+    /// The seed that it performed with.
     pub seed: Seed,
+    /// The temperature of each of its classifiers.
+    pub temperatures: &'a [f32],
 }
 
 /// The temperature of one classifier.
@@ -101,30 +95,30 @@ where
 /// Goes the same ways again; at step t the probability of the action is the weighted mean of those of the `members`, which are among `calibrated`.
 fn replay<P: Problem, I: IntoIterator<Item = (f64, usize)>>(
     problem: &P,
-    actions: &[Action],
-    (number, seed): (usize, Seed),
+    done: Done<'_>,
     calibrated: &[Calibrated<&Linear>],
     members: impl Fn(usize) -> I,
 ) -> Vec<f32>
 where
     P::Space: Space<View = Features>,
 {
-    let (mut worker, mut sure) = (Worker::new(problem), Vec::with_capacity(actions.len()));
+    let (mut worker, mut sure) = (Worker::new(problem), Vec::with_capacity(done.actions.len()));
     let mut memories: Vec<LinearMemory> = calibrated.iter().map(|_| LinearMemory::default()).collect();
     let mut probabilities = Vec::new();
     let mut probability = |visit: &mut Visit<'_, P>, action: Action| {
         let (t, sight, mut mean) = (visit.t(), visit.sight(), 0.0);
         for (weight, i) in members(t) {
-            calibrated[i].probabilities(&sight, &mut memories[i], &mut probabilities);
+            let (Some(classifier), Some(memory)) = (calibrated.get(i), memories.get_mut(i)) else { continue };
+            classifier.probabilities(&sight, memory, &mut probabilities);
             let place = sight.legal.place(action);
             mean += weight * place.map_or(0.0, |place| f64::from(probabilities[place]));
         }
         mean.min(1.0) as f32
     };
     for index in 0..problem.episodes() {
-        let seed = seed.child(Purpose::Episode, (number + index) as u64);
+        let seed = done.seed.child(Purpose::Episode, (done.number + index) as u64);
         worker.episode(Episode { index, seed }, |visit| {
-            let action = *actions.get(sure.len())?;
+            let action = *done.actions.get(sure.len())?;
             sure.push(probability(visit, action));
             Some(action)
         });

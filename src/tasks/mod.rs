@@ -16,7 +16,7 @@ pub mod tabular;
 pub mod tagging;
 mod training;
 
-pub use confidence::Sureness;
+pub use confidence::Done;
 pub use file::{Arrays, task_of};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
@@ -91,15 +91,9 @@ pub trait Task: Sized + Send + Sync {
         policy.calibrate(problem, episodes, seed)
     }
 
-    /// How sure `policy` was of `actions`, which is what it did by [`Task::perform`] with the same seed and number.
-    fn sure(
-        policy: &Learned,
-        space: Self::Space,
-        (episodes, number): (usize, usize),
-        actions: &[Action],
-        how: Sureness<'_>,
-    ) -> Vec<f32> {
-        policy.sure_from(&Imitation { space, expert: Silent, episodes }, actions, number, how)
+    /// How sure `policy` was of what it did in all `episodes` of `space` by [`Task::perform`].
+    fn sure(policy: &Learned, space: Self::Space, episodes: usize, done: Done<'_>) -> Vec<f32> {
+        policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
     }
 
     /// For each token of `data` the line it stands on and which of `actions` says what it is; nothing unless [`Task::CONFIDENT`].

@@ -1,6 +1,6 @@
 //! What training leaves behind: a policy, what turns text into its features, and how both came to be.
 
-use super::{Sureness, Task};
+use super::{Data, Done, Task};
 use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
 use crate::roll::{self, Performance};
@@ -207,20 +207,18 @@ impl<T: Task> Model<T> {
         self
     }
 
-    /// How sure it was of `actions`, which is what [`Model::perform`] says it does in the same space with the same numbers and seed: the probability of each. `None`
-    /// where it was not calibrated, or the task's actions say nothing of tokens.
-    pub fn sure(
-        &self,
-        space: T::Space,
-        actions: &[Action],
-        (episodes, first): (usize, usize),
-        seed: Seed,
-    ) -> Option<Vec<f32>> {
+    /// How sure it was of `actions`, which is what [`Model::perform`] says it does in all `data`, a part of a longer text that starts with its sentence
+    /// number `first`: the probability of each. `None` where it was not calibrated, or the task's actions say nothing of tokens.
+    ///
+    /// # Errors
+    /// As [`Task::apply`].
+    pub fn sure(&self, data: &T::Data, actions: &[Action], first: usize, seed: Seed) -> Result<Option<Vec<f32>>> {
         if !T::CONFIDENT || self.temperatures.is_empty() {
-            return None;
+            return Ok(None);
         }
-        let how = Sureness { temperatures: &self.temperatures, seed: seed.child(Purpose::Evaluation, 0) };
-        Some(T::sure(&self.policy, space, (episodes, first), actions, how))
+        let (seed, temperatures) = (seed.child(Purpose::Evaluation, 0), &self.temperatures[..]);
+        let done = Done { actions, number: first, seed, temperatures };
+        Ok(Some(T::sure(&self.policy, self.encoding.apply(data)?, data.sentences(), done)))
     }
 
     /// The columns of the classifiers: what they score.

@@ -19,6 +19,8 @@ pub type Segmenter = Model<Spans>;
 
 /// The longest span there may be.
 pub const MOST_LENGTH: u32 = 64;
+/// How far from the first token shapes and tags are still seen all together: longer rows of them are too rare to learn from.
+const PATH: u32 = 4;
 /// More actions than this are too many to score.
 const MOST_ACTIONS: usize = 1 << 16;
 /// The label of what is outside all spans.
@@ -57,21 +59,23 @@ fn check_longest(longest: u32) -> Result<()> {
     Err(Error::argument("longest span", longest, format!("1 to {MOST_LENGTH}")))
 }
 
-/// [`Template::default_for`] so many columns, and the tokens of spans of up to `longest` tokens and the one behind: each word, shape and tag on its own, pairs of
-/// neighbours, and all tags or shapes from the first to that one.
+/// [`Template::default_for`] so many columns, and the tokens of spans of up to `longest` tokens and the one behind: words, pairs of shapes and of tags, and,
+/// as far as four tokens on, all shapes and all tags from the first to that one.
 pub fn default_template(columns: usize, longest: u32) -> Template {
     let mut text = Template::default_for(columns).text().to_owned() + "\n# Over the span, and one token beyond.\n";
-    let most = longest.min(MOST_LENGTH);
-    for j in 1..=most {
-        let path = |cell: &dyn Fn(u32) -> String| (0..=j).map(cell).collect::<Vec<_>>().join("/");
+    for j in 1..=longest.min(MOST_LENGTH) {
+        let path = |name: &str, cell: &dyn Fn(u32) -> String| match j {
+            1..=PATH => format!("U{name}{j}:{}\n", (0..=j).map(cell).collect::<Vec<_>>().join("/")),
+            _ => String::new(),
+        };
         if j > 2 {
             text += &format!("Usw{j}:%X[{j},0]\n");
         }
         text += &format!("Uss{j}:%s[{},0,4]/%s[{j},0,4]\n", j - 1);
-        text += &format!("Usp{j}:{}\n", path(&|i| format!("%s[{i},0,2]")));
+        text += &path("sp", &|i| format!("%s[{i},0,2]"));
         for c in 1..columns.min(16) {
-            text +=
-                &format!("U{c}st{j}:%x[{},{c}]/%x[{j},{c}]\nU{c}sp{j}:{}\n", j - 1, path(&|i| format!("%x[{i},{c}]")));
+            text += &format!("U{c}st{j}:%x[{},{c}]/%x[{j},{c}]\n", j - 1);
+            text += &path(&format!("{c}sp"), &|i| format!("%x[{i},{c}]"));
         }
     }
     match Template::parse(&text, Path::new("<default template>")) {

@@ -4,8 +4,8 @@ use super::{Encoding, Tagging, TaggingProblem};
 use crate::error::{Error, Result};
 use crate::roll::Performance;
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Imitation, Silent, Space};
-use crate::tasks::{Learned, Sureness, Training};
+use crate::space::{Imitation, Silent, Space};
+use crate::tasks::{Done, Learned, Training};
 use crate::trainer::{Run, Trained};
 use crate::worker::Ledger;
 
@@ -63,16 +63,16 @@ pub fn calibrate(policy: &Learned, problem: &TaggingProblem, episodes: &[usize],
     [first, second.calibrate(&told, episodes, seed)].concat()
 }
 
-/// How sure `policy` was of `actions`, what [`perform`] said it does: of two readings the second.
-pub fn sure(policy: &Learned, space: Tagging, number: usize, actions: &[Action], how: Sureness<'_>) -> Vec<f32> {
+/// How sure `policy` was of what [`perform`] says it does: of two readings the second.
+pub fn sure(policy: &Learned, space: Tagging, done: Done<'_>) -> Vec<f32> {
     if let Learned::Readings { first, second } = policy {
-        let (said, _) = perform(first, space.backwards(), number, how.seed.child(Purpose::Reading, 0));
-        let temperatures = &how.temperatures[first.classifiers().len().min(how.temperatures.len())..];
-        let how = Sureness { temperatures, seed: how.seed.child(Purpose::Reading, 1) };
-        return sure(second, space.told(&said.actions), number, actions, how);
+        let (said, _) = perform(first, space.backwards(), done.number, done.seed.child(Purpose::Reading, 0));
+        let temperatures = &done.temperatures[first.classifiers().len().min(done.temperatures.len())..];
+        let done = Done { temperatures, seed: done.seed.child(Purpose::Reading, 1), ..done };
+        return sure(second, space.told(&said.actions), done);
     }
     let episodes = space.sentences();
-    policy.sure_from(&Imitation { space, expert: Silent, episodes }, actions, number, how)
+    policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
 }
 
 /// What `policy` does with the sentences of `space`, the first of which has the number `number` in a longer text: in both readings where

@@ -12,7 +12,7 @@ use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Sureness, Task, Training, write_labels};
+use crate::tasks::{Arrays, Data, Done, Fact, Learned, Measure, Model, Task, Training, write_labels};
 use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -115,14 +115,8 @@ impl Task for Encoding {
         readings::calibrate(policy, problem, episodes, seed)
     }
 
-    fn sure(
-        policy: &Learned,
-        space: Tagging,
-        (_, number): (usize, usize),
-        actions: &[Action],
-        how: Sureness<'_>,
-    ) -> Vec<f32> {
-        readings::sure(policy, space, number, actions, how)
+    fn sure(policy: &Learned, space: Tagging, _: usize, done: Done<'_>) -> Vec<f32> {
+        readings::sure(policy, space, done)
     }
 
     fn lines(&self, corpus: &Corpus, _: &[Action]) -> Vec<(usize, usize)> {
