@@ -192,7 +192,7 @@ fn chunks_of_a_real_corpus() {
     let settings = Settings::default_for(&train, LabelColumn::Last, 8).unwrap();
     let (spans, problem) = Spans::learn(&train, settings).unwrap();
     let learner = rollin::learner::Perceptron::default();
-    let trained = Supervised {}.train(&problem, &learner, &Run::new(1)).unwrap();
+    let trained = Supervised::default().train(&problem, &learner, &Run::new(1)).unwrap();
     let model = Segmenter::new(spans, trained.policy, About::default()).unwrap();
     let actions = model.perform(model.encoding.apply(&test).unwrap(), test.sentences(), 0, Seed::new(1));
     let f1 = model.encoding.score(&test, &actions).unwrap().f1();
