@@ -23,7 +23,7 @@ pub enum Scale {
 impl Scale {
     fn part(self) -> Result<f64> {
         match self {
-            Scale::Quick => Ok(1.0 / 150.0),
+            Scale::Quick => Ok(0.01),
             Scale::Part(part) if part > 0.0 && part <= 1.0 => Ok(part),
             Scale::Part(part) => Err(Error::argument("scale", part, "above 0 and at most 1")),
         }
@@ -97,7 +97,7 @@ impl Platforming {
         let searn = Amount { episodes: 1, length: Length::Short(if quick { 5 } else { 20 }) };
         let amount = Amount { episodes, length: Length::Marathon(decisions) };
         let methods = methods(&learner, amount, [forward, searn]);
-        Ok(Plan { game: Self::NAME.into(), seed, trainings: 1, games: if quick { 10 } else { 200 }, methods })
+        Ok(Plan { game: Self::NAME.into(), seed, trainings: 1, games: if quick { 20 } else { 200 }, methods })
     }
 }
 
