@@ -112,8 +112,8 @@ pub fn moments(each: u64) -> Vec<Game> {
     let moment = |i: u64| {
         let mut game = start(&levels, (i % 11) as u8, i);
         let seed = Seed::new(7).child(Purpose::Step, i);
-        let (mut pick, time) = (random(seed), 10 + (seed.unit() * 90.0) as usize);
-        for buttons in std::iter::repeat_with(|| pick()).take(time) {
+        let time = 10 + (seed.unit() * 90.0) as usize;
+        for buttons in std::iter::repeat_with(random(seed)).take(time) {
             let before = game.clone();
             (0..4).for_each(|_| game.advance(buttons));
             if game.end().is_some() {

@@ -5,8 +5,7 @@ use rollin::Seed;
 use rollin::tasks::platformer::Game;
 
 fn run(game: &mut Game, seed: Seed, decisions: usize) {
-    let mut pick = random(seed);
-    for buttons in std::iter::repeat_with(|| pick()).take(decisions) {
+    for buttons in std::iter::repeat_with(random(seed)).take(decisions) {
         (0..4).for_each(|_| game.advance(buttons));
     }
 }
