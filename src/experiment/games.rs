@@ -23,7 +23,7 @@ pub enum Scale {
 impl Scale {
     fn part(self) -> Result<f64> {
         match self {
-            Scale::Quick => Ok(1.0 / 150.0),
+            Scale::Quick => Ok(0.01),
             Scale::Part(part) if part > 0.0 && part <= 1.0 => Ok(part),
             Scale::Part(part) => Err(Error::argument("scale", part, "above 0 and at most 1")),
         }
@@ -97,7 +97,7 @@ impl Platforming {
         let searn = Amount { episodes: 1, length: Length::Short(if quick { 5 } else { 20 }) };
         let amount = Amount { episodes, length: Length::Marathon(decisions) };
         let methods = methods(&learner, amount, [forward, searn]);
-        Ok(Plan { game: Self::NAME.into(), seed, trainings: 1, games: if quick { 10 } else { 200 }, methods })
+        Ok(Plan { game: Self::NAME.into(), seed, trainings: 1, games: if quick { 20 } else { 200 }, methods })
     }
 }
 
@@ -200,7 +200,8 @@ impl Racing {
         let trainings = ((10.0 * scale.part()?).round() as u64).max(1);
         let quick = scale == Scale::Quick;
         let net = Net { units: 32, rate: 0.003, batch: 32, ..Net::default() };
-        let learner = CrossValidated { learner: net, folds: if quick { 5 } else { 10 }, most: 12, patience: 2 };
+        let (folds, most) = if quick { (3, 6) } else { (10, 12) };
+        let learner = CrossValidated { learner: net, folds, most, patience: 2 };
         let forward = Amount { episodes: if quick { 300 } else { 3000 }, length: Length::Short(ROUNDS[0]) };
         let searn = Amount { episodes: 1, length: Length::Short(if quick { 20 } else { 60 }) };
         let amount = Amount { episodes: if quick { 1 } else { 3 }, length: Length::Game };

@@ -146,14 +146,57 @@ impl Inlet<Features> for Sparse {
 pub struct Full {
     layer: Rows,
     /// What is kept beside the weights: three times as much.
-    pub(super) beside: Vec<f32>,
+    beside: Vec<f32>,
     drawn: bool,
+    /// What was seen in the batch, and the slopes: example after example. The gradient is summed up row by row at the batch's end, so that each of
+    /// its rows is read and written once a batch and not once an example.
+    seen: Vec<f32>,
+    slopes: Vec<f32>,
+}
+
+impl Full {
+    /// Adds what was seen to the gradient.
+    fn sum_up(&mut self) {
+        let stride = self.layer.stride();
+        let gradient = &mut self.beside[..self.layer.weights.len()];
+        match stride {
+            8 => add_products::<8>(&self.seen, &self.slopes, gradient),
+            16 => add_products::<16>(&self.seen, &self.slopes, gradient),
+            32 => add_products::<32>(&self.seen, &self.slopes, gradient),
+            _ => {
+                let width = gradient.len() / stride;
+                for (seen, slopes) in self.seen.chunks_exact(width.max(1)).zip(self.slopes.chunks_exact(stride)) {
+                    for (x, row) in seen.iter().zip(gradient.chunks_exact_mut(stride)) {
+                        row.iter_mut().zip(slopes).for_each(|(g, slope)| *g += x * slope);
+                    }
+                }
+            }
+        }
+        self.seen.clear();
+        self.slopes.clear();
+    }
+}
+
+/// Adds to each row of the gradient the sum over the examples of a number times the slopes, held in registers.
+fn add_products<const N: usize>(seen: &[f32], slopes: &[f32], gradient: &mut [f32]) {
+    let (rows, slopes) = (gradient.as_chunks_mut::<N>().0, slopes.as_chunks::<N>().0);
+    let width = rows.len();
+    for (i, row) in rows.iter_mut().enumerate() {
+        let mut sums = *row;
+        for (x, slopes) in seen[i..].iter().step_by(width).zip(slopes) {
+            for c in 0..N {
+                sums[c] += x * slopes[c];
+            }
+        }
+        *row = sums;
+    }
 }
 
 #[cfg(test)]
 impl Full {
     /// The weights and what is kept beside them.
     pub(super) fn parts(&mut self) -> (&mut [f32], &mut [f32]) {
+        self.sum_up();
         (&mut self.layer.weights, &mut self.beside)
     }
 }
@@ -163,7 +206,8 @@ impl Inlet<Dense> for Full {
         let new = Rows::new(setting.shared.0, columns);
         let warm = warm.filter(|warm| warm.columns == columns && warm.weights.len() == new.weights.len());
         let (layer, drawn) = (warm.cloned().unwrap_or(new), warm.is_some());
-        Full { beside: vec![0.0; BESIDE * layer.weights.len()], layer, drawn }
+        let beside = vec![0.0; BESIDE * layer.weights.len()];
+        Full { layer, beside, drawn, seen: Vec::new(), slopes: Vec::new() }
     }
 
     fn layer(&self) -> &Rows {
@@ -181,18 +225,12 @@ impl Inlet<Dense> for Full {
     }
 
     fn learn(&mut self, sight: &Sight<'_, Dense>, slopes: &[f32]) {
-        let stride = self.layer.stride();
-        let add = |(x, row): (&f32, &mut [f32])| {
-            for (g, slope) in row.as_chunks_mut::<8>().0.iter_mut().zip(slopes.as_chunks::<8>().0) {
-                for c in 0..8 {
-                    g[c] += x * slope[c];
-                }
-            }
-        };
-        sight.view.0.iter().zip(self.beside.chunks_exact_mut(stride)).for_each(add);
+        self.seen.extend_from_slice(&sight.view.0);
+        self.slopes.extend_from_slice(slopes);
     }
 
     fn step(&mut self, mut change: impl FnMut(&mut [f32], &mut [f32])) {
+        self.sum_up();
         change(&mut self.layer.weights, &mut self.beside);
     }
 
