@@ -242,7 +242,7 @@ fn train(c: &mut Criterion, bench: &Bench) {
     let mut group = c.benchmark_group("train, one round");
     group.throughput(bench.tokens()).sample_size(10);
     let trainers = [
-        ("supervised", Trainer::Supervised(Supervised {})),
+        ("supervised", Trainer::Supervised(Supervised::default())),
         ("forward", Trainer::Forward(Forward::default())),
         ("smile", Trainer::Smile(Smile { rounds: 1, ..Smile::default() })),
         ("searn", Trainer::Searn(Searn { rounds: 1, ..Searn::default() })),

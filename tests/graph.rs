@@ -172,7 +172,7 @@ fn neighbours_help_who_learns_from_its_own_labels() {
         let trained = trainer.train(&problem(60, edges, 1), &learner, &Run::new(1)).expect("settings in range");
         trained.policy.perform_from(&problem(100, edges, 2), 0, Seed::new(3)).0.costs.iter().sum::<f64>()
     };
-    let supervised = Trainer::Supervised(Supervised {});
+    let supervised = Trainer::Supervised(Supervised::default());
     let (alone, copied) = (wrong(&supervised, false), wrong(&supervised, true));
     assert!((1400.0..1800.0).contains(&alone) && copied > 1.5 * alone, "{alone} alone, {copied} copied");
     let searn = Searn { beta: 0.5, rounds: 2, samples: 1, warm: false };

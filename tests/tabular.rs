@@ -62,7 +62,8 @@ fn supervised_finds_the_best_of_its_class() {
     // 0-1 loss per step: e^(-2 * 40,000 * 0.03^2) < 1e-31 per view even if the steps of an episode all agreed.
     for (mdp, view, best) in clear(0.03, |class| vec![class.supervised().expect("valid")]) {
         let space = space(&mdp, &view);
-        let trained = Supervised {}.train(&space.clone().problem(EPISODES), &Learner, &Run::new(3)).expect("trains");
+        let trained =
+            Supervised::default().train(&space.clone().problem(EPISODES), &Learner, &Run::new(3)).expect("trains");
         assert_eq!(space.table_of(&trained.policy.0), best[0]);
     }
 }
@@ -230,7 +231,7 @@ fn greedy_policies_cost_what_tables_say() {
     let (mdp, view) = random(2);
     let space = space(&mdp, &view);
     let problem = space.clone().problem(EPISODES);
-    let trained = Supervised {}.train(&problem, &Learner, &Run::new(1)).expect("trains");
+    let trained = Supervised::default().train(&problem, &Learner, &Run::new(1)).expect("trains");
     let exact = evaluate(&mdp, &space.table_of(&trained.policy.0)).expect("valid").cost;
     let (done, _) =
         perform::<rollin::space::Imitation<Tabular, Tabled>, Greedy<_>>(&problem, &trained.policy, Seed::new(4));

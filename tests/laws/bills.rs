@@ -7,7 +7,7 @@ use rollin::space::{Episode, Imitation, Problem, Space};
 use rollin::tasks::tagging::{TaggingProblem, Trainer};
 use rollin::theory::ledgers::{Expected, Extent};
 use rollin::trainer::{
-    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Reuse, Run, Schedule, Searn, Smile, Stacking,
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Run, Schedule, Searn, Smile, Stacking,
 };
 use rollin::worker::{Ledger, Worker};
 
