@@ -13,7 +13,8 @@
 //! let seed = Seed::new(2);
 //! let mut ride = kart.start(Episode { index: 0, seed });
 //! while let (false, Some(action)) = (kart.legal(&ride).is_empty(), Driver::default().action(&kart, &ride)) {
-//!     kart.step(&mut ride, action, seed.child(rollin::Purpose::Step, u64::from(ride.t())));
+//!     let step = seed.child(rollin::Purpose::Step, u64::from(ride.t()));
+//!     kart.step(&mut ride, action, step);
 //! }
 //! let outcome = kart.outcome(&ride);
 //! assert!(outcome.finished && outcome.falls <= 1);
