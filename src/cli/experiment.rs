@@ -65,9 +65,8 @@ pub struct Experiment {
     #[arg(long, conflicts_with = "scale")]
     quick: bool,
     /// The part of the paper's examples, above 0 and at most 1 (for kart: of ten trainings)
-    /// [default: 0.1, for kart 0.3]
-    #[arg(long, value_name = "PART")]
-    scale: Option<f64>,
+    #[arg(long, default_value_t = 0.1, value_name = "PART")]
+    scale: f64,
     /// Follow the plan in this file, as it is kept in a folder of --resume; its seed is what counts
     #[arg(long, conflicts_with_all = ["quick", "scale"], value_name = "FILE")]
     plan: Option<PathBuf>,
@@ -86,11 +85,11 @@ pub struct Experiment {
 
 impl Experiment {
     pub fn run(&self, global: &Global) -> Result<()> {
-        let scale = |default| if self.quick { Scale::Quick } else { Scale::Part(self.scale.unwrap_or(default)) };
+        let scale = if self.quick { Scale::Quick } else { Scale::Part(self.scale) };
         match self.game {
-            GameName::Kart => self.run_on(&self.place.racing()?, Racing::plan(scale(0.3), global.seed)?, global),
+            GameName::Kart => self.run_on(&self.place.racing()?, Racing::plan(scale, global.seed)?, global),
             GameName::Platformer => {
-                self.run_on(&self.place.platforming()?, Platforming::plan(scale(0.1), global.seed)?, global)
+                self.run_on(&self.place.platforming()?, Platforming::plan(scale, global.seed)?, global)
             }
         }
     }

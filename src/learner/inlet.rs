@@ -183,7 +183,7 @@ fn add_products<const N: usize>(seen: &[f32], slopes: &[f32], gradient: &mut [f3
     let width = rows.len();
     for (i, row) in rows.iter_mut().enumerate() {
         let mut sums = *row;
-        for (x, slopes) in seen[i..].iter().step_by(width).zip(slopes) {
+        for (x, slopes) in seen.iter().skip(i).step_by(width).zip(slopes) {
             for c in 0..N {
                 sums[c] += x * slopes[c];
             }

@@ -40,6 +40,7 @@ pub struct Smile {
     pub reuse: Reuse,
     /// T: after so many steps an episode is cut, and its pieces are what is kept or run anew; `None` where an episode is one piece. Pieces that are
     /// run anew follow each other in one run that begins where the episode does: nothing is put back.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub piece: Option<usize>,
 }
 
