@@ -42,8 +42,8 @@
 //! | [`roll`] | roll-in, deviation, roll-out |
 //! | [`trainer`] | one short file an algorithm, in the order of its listing |
 //! | [`theory`] | what can be said beforehand |
-//! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers and templates, grammars with exact answers, measures |
-//! | [`tasks`] | sequence tagging, dependency parsing, graph labelling, navigation, a platform game, a kart, tabular problems; what a task is to the program, and model files |
+//! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers, writers and templates, grammars with exact answers, measures |
+//! | [`tasks`] | sequence tagging, segmentation, dependency parsing, graph labelling, navigation, a platform game, a kart, tabular problems; what a task is to the program, and model files |
 //! | [`experiment`] | the paper's two experiments, on games, and replays of them |
 //! | [`report`], `cli` | tables; the program |
 //! | [`guide`] | chapters: [what the theorems say](guide::theorems), [what a token costs](guide::speed) |

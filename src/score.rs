@@ -11,7 +11,7 @@
 //!
 //! The script of 2004 knows no `S`, and joins `E-X B-X` into one chunk. Its later extension to IOBES, followed here, lets a
 //! chunk start at `S`, end after `S`, and end between `E` and `B`. Labels without `S` and without `E-X B-X` score the same
-//! under both.
+//! under both. BILOU's `L` and `U` are read as `E` and `S`.
 //!
 //! A predicted chunk is correct if a gold chunk has the same first token, last token and type. Every sentence is scored as if it
 //! were the whole file, so scores of parts add up to the score of the whole. A measure whose denominator is zero is 0.
@@ -92,10 +92,37 @@ impl Scheme {
         &self.labels
     }
 
-    /// Whether the labels given to [`Scheme::new`] look like spans: each is `O` or begins with `B-`, `I-`, `E-` or `S-`, and
-    /// at least one does the latter. Otherwise, as with parts of speech, accuracy is the only measure that means something.
+    /// Whether the labels given to [`Scheme::new`] look like spans: each is `O` or begins with `B-`, `I-`, `E-`, `S-`, `L-` or
+    /// `U-`, and at least one does the latter. Otherwise, as with parts of speech, accuracy is the only measure that means something.
     pub fn is_spans(&self) -> bool {
         self.spans
+    }
+
+    /// The chunks that one sentence's `labels` spell, in order: first token, one beyond the last, and number of the type ([`Scheme::kinds`]).
+    ///
+    /// # Panics
+    /// When a label is not in the scheme.
+    pub fn spans(&self, labels: &[u32]) -> Vec<(usize, usize, u32)> {
+        let (mut spans, mut open, mut last) = (Vec::new(), None, OUTSIDE);
+        for (at, label) in labels.iter().enumerate() {
+            let tag = self.tags[*label as usize];
+            if ends(last, tag)
+                && let Some(start) = open.take()
+            {
+                spans.push((start, at, last.kind));
+            }
+            if starts(last, tag) {
+                open = Some(at);
+            }
+            last = tag;
+        }
+        spans.extend(open.map(|start| (start, labels.len(), last.kind)));
+        spans
+    }
+
+    /// The names of the types by number; number 0 is the empty one.
+    pub fn kinds(&self) -> &[String] {
+        &self.kinds
     }
 
     fn push(&mut self, label: &str) -> u32 {
@@ -117,8 +144,8 @@ impl Prefix {
         match text {
             "B" => Prefix::B,
             "I" => Prefix::I,
-            "E" => Prefix::E,
-            "S" => Prefix::S,
+            "E" | "L" => Prefix::E,
+            "S" | "U" => Prefix::S,
             "O" => Prefix::O,
             "." => Prefix::Dot,
             "[" | "]" => Prefix::Bracket,
@@ -141,7 +168,7 @@ fn spelling(label: &str) -> &str {
 }
 
 fn spell_spans(labels: &[impl AsRef<str>]) -> bool {
-    let inside = |label: &str| matches!(label.as_bytes(), [b'B' | b'I' | b'E' | b'S', b'-', ..]);
+    let inside = |label: &str| matches!(label.as_bytes(), [b'B' | b'I' | b'E' | b'S' | b'L' | b'U', b'-', ..]);
     labels.iter().all(|label| label.as_ref() == "O" || inside(label.as_ref()))
         && labels.iter().any(|label| inside(label.as_ref()))
 }

@@ -136,7 +136,13 @@ impl Compare {
         let mut train = self.columns.corpus::<T>(path)?;
         let settings = T::settings(&self.columns, &train)?;
         let test = match &self.test {
-            Some(path) => read_corpus::<T>(path)?,
+            Some(path) => {
+                let mut test = read_corpus::<T>(path)?;
+                if self.columns.repair {
+                    T::mend(&mut test, self.columns.mending())?;
+                }
+                test
+            }
             None => {
                 let kept = train.sentences() - train.sentences() / 5;
                 if kept == train.sentences() {

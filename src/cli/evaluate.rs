@@ -2,8 +2,9 @@
 
 use super::options::{ReadingName, read_corpus};
 use super::tasks::{Verbs, read_model, with_task};
-use super::{Global, print, print_json};
+use super::{Global, closed, print, print_json};
 use crate::error::Result;
+use crate::learner::calibration_error;
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Score};
 use clap::Args;
@@ -22,6 +23,9 @@ pub struct Evaluate {
     /// The column the right labels stand in, from 0 [default: where they stood in training]
     #[arg(long, value_name = "N")]
     label_column: Option<usize>,
+    /// Change right labels that break the model's rule to those of the spans that conlleval reads in them, and say so on standard error
+    #[arg(long)]
+    repair: bool,
     /// How to choose a label from a mixture of classifiers [default: as the model says]
     #[arg(long, value_enum, value_name = "NAME")]
     reading: Option<ReadingName>,
@@ -35,16 +39,30 @@ impl Evaluate {
 
     fn run_with<T: Verbs>(&self, mut model: Model<T>, global: &Global) -> Result<()> {
         if let Some(reading) = self.reading {
-            model.policy = model.policy.read_as(reading.into());
+            model = model.read_as(reading.into());
         }
         if let Some(column) = self.label_column {
             model.encoding.set_column(column)?;
         }
-        let data = read_corpus::<T>(&self.data)?;
+        let mut data = read_corpus::<T>(&self.data)?;
         model.encoding.check(&data)?;
+        if self.repair {
+            T::mend(&mut data, model.encoding.mending(true))?;
+        }
         let space = model.encoding.apply(&data)?;
         let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
         let score = model.encoding.score(&data, &actions)?;
-        if global.json { print_json(&score) } else { print(&score.text()) }
+        let sure = model.sure(&data, &actions, 0, Seed::new(global.seed))?;
+        let right = model.encoding.right(&data, &actions)?;
+        let error = sure.map(|sure| calibration_error(sure.into_iter().zip(right)));
+        if global.json {
+            let mut report = serde_json::to_value(&score).map_err(|error| closed(error.into()))?;
+            if let Some(error) = error {
+                report["calibration_error"] = error.into();
+            }
+            return print_json(&report);
+        }
+        let told = error.map(|error| format!("expected calibration error: {:.2}%\n", 100.0 * error));
+        print(&(score.text() + &told.unwrap_or_default()))
     }
 }

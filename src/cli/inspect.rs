@@ -49,6 +49,7 @@ impl Inspect {
                 "policy": kind,
                 "weights": weights,
                 "rows": rows,
+                "temperatures": model.temperatures,
                 "about": about,
             });
             own.into_iter().for_each(|fact| report[fact.name] = fact.value);
@@ -65,9 +66,11 @@ impl Inspect {
             ("expert's labels", grouped(about.ledger.labels as f64)),
             ("expert queries", grouped(about.ledger.queries as f64)),
         ];
+        let temperatures: Vec<String> = model.temperatures.iter().map(|t| format!("{t:.3}")).collect();
+        let calibrated = (!temperatures.is_empty()).then(|| ("temperatures", temperatures.join(" ")));
         let (long, lines): (Vec<_>, Vec<_>) =
             own.into_iter().filter(|fact| !fact.text.is_empty()).partition(|fact| fact.text.contains('\n'));
-        let facts = facts.into_iter().chain(lines.into_iter().map(|fact| (fact.name, fact.text)));
+        let facts = facts.into_iter().chain(calibrated).chain(lines.into_iter().map(|fact| (fact.name, fact.text)));
         let facts: String = facts.map(|(name, fact)| format!("{name:<16}{fact}\n")).collect();
         let long: String = long.into_iter().map(|fact| format!("\n{}{}\n", fact.name, fact.text)).collect();
         let mut classifiers = Table::new(["classifier", "weight", "features with weights"]);

@@ -5,6 +5,7 @@
 
 mod algorithms;
 mod compare;
+mod convert;
 mod drive;
 mod evaluate;
 mod experiment;
@@ -51,7 +52,7 @@ struct Global {
     /// No progress on standard error
     #[arg(long, short, global = true, help_heading = "Every command")]
     quiet: bool,
-    /// One JSON object on standard output in place of text (not for tag and generate)
+    /// One JSON object on standard output in place of text (not for tag, convert and generate)
     #[arg(long, global = true, help_heading = "Every command")]
     json: bool,
 }
@@ -76,6 +77,8 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     /// Train with several algorithms on the same data and compare accuracy with what the expert was asked
     Compare(compare::Compare),
+    /// Convert a corpus from one format to another
+    Convert(convert::Convert),
     /// Draw tagged sentences from a grammar
     Generate(generate::Generate),
     /// Tell what is in a model file
@@ -111,6 +114,7 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Tag(command) => command.run(&cli.global),
         Command::Evaluate(command) => command.run(&cli.global),
         Command::Compare(command) => command.run(&cli.global),
+        Command::Convert(command) => command.run(&cli.global),
         Command::Generate(command) => command.run(&cli.global),
         Command::Inspect(command) => command.run(&cli.global),
         Command::Theory(command) => command.run(&cli.global),

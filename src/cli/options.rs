@@ -1,13 +1,14 @@
 //! Options that several commands share.
 
+use super::tasks::Verbs;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
 use crate::read::template::Template;
-use crate::tasks::tagging::{LabelColumn, Order};
+use crate::tasks::tagging::{self, LabelColumn, Order};
 use crate::tasks::{AnyLearner, Data, Task};
 use clap::{Args, ValueEnum};
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Reads a corpus from a file, or from standard input where `path` is `-`.
@@ -35,12 +36,19 @@ pub struct Reading {
     /// The column the labels stand in, from 0 [default: the last]
     #[arg(long, value_name = "N")]
     pub label_column: Option<usize>,
-    /// Which label may follow which [default: iob2 if all labels are O, B-X or I-X and keep to that rule, otherwise free]
+    /// Which label may follow which [default: iob2 if all labels are O, B-X or I-X and keep to that rule, bilou if some are L-X, U-X, E-X or S-X, too,
+    /// otherwise free]
     #[arg(long, value_enum, value_name = "RULE")]
     pub order: Option<OrderName>,
+    /// Change labels that break the rule to those of the spans that conlleval reads in them, and say so on standard error
+    #[arg(long)]
+    pub repair: bool,
     /// Learn from the first N sentences only [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub first: Option<u64>,
+    /// The longest span that a segmenter takes, in tokens, at most 64 [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
+    pub span: Option<u8>,
     /// The moves of a parser [default: arc-hybrid]
     #[arg(long, value_enum, value_name = "NAME")]
     pub system: Option<SystemName>,
@@ -80,15 +88,83 @@ pub enum OrderName {
     Free,
     /// I-X only after B-X or I-X
     Iob2,
+    /// U-X alone, or B-X, any number of I-X and L-X; S-X and E-X are read as U-X and L-X
+    Bilou,
+}
+
+impl From<OrderName> for Order {
+    fn from(name: OrderName) -> Self {
+        match name {
+            OrderName::Free => Order::Free,
+            OrderName::Iob2 => Order::Bio,
+            OrderName::Bilou => Order::Bilou,
+        }
+    }
+}
+
+/// How labels that break the rule are met.
+#[derive(Clone, Copy)]
+pub struct Mending {
+    /// Whether they are mended, or only reported.
+    pub repair: bool,
+    /// Where the labels stand.
+    pub labels: LabelColumn,
+    /// The rule; by default what the labels suggest.
+    pub order: Option<Order>,
+}
+
+/// How many labels are told one by one.
+const TOLD: usize = 5;
+
+impl Mending {
+    /// Mends the labels of `corpus` or reports, on standard error, the first that breaks the rule. A rule that was asked for is nobody's guess: what breaks it is
+    /// left to be refused.
+    pub fn mend(self, corpus: &mut Corpus) -> Result<()> {
+        self.mend_column(corpus, self.labels.in_corpus(corpus)?)
+    }
+
+    /// The same for labels that stand in `column`, whatever else there is.
+    pub fn mend_column(self, corpus: &mut Corpus, column: usize) -> Result<()> {
+        if self.repair {
+            let mended = tagging::repair(corpus, column, self.order)?;
+            mended.iter().take(TOLD).for_each(|mended| note(mended));
+            if mended.len() > TOLD {
+                note(&format!("{}: {} more labels were changed", corpus.path.display(), mended.len() - TOLD));
+            }
+        } else if self.order.is_none() {
+            let (illegal, order) = tagging::illegal(corpus, column, None);
+            if let Some(first) = illegal.first() {
+                let (place, label) = (corpus.place(*first, column), corpus.word(column, *first));
+                let more = match illegal.len() {
+                    1 => String::new(),
+                    n => format!(" and {} more", n - 1),
+                };
+                note(&format!(
+                    "{place}: label {label}{more} may not stand there by {}, so any label may follow any; --repair mends this, \
+                     --order free wants it so",
+                    order.name()
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Something to know, on standard error.
+fn note(what: &dyn std::fmt::Display) {
+    // Nobody may be left to read it.
+    let _ = writeln!(std::io::stderr(), "note: {what}");
 }
 
 impl Reading {
     /// Refuses options of other tasks than `task`.
     pub fn refuse_others(&self, task: &str) -> Result<()> {
         let options = [
-            ("--template", "tagging", self.template.is_some()),
-            ("--label-column", "tagging", self.label_column.is_some()),
+            ("--template", "tagging segmenting", self.template.is_some()),
+            ("--label-column", "tagging segmenting", self.label_column.is_some()),
+            ("--span", "segmenting", self.span.is_some()),
             ("--order", "tagging", self.order.is_some()),
+            ("--repair", "tagging", self.repair),
             ("--system", "parsing", self.system.is_some()),
             ("--cutoff", "parsing", self.cutoff.is_some()),
             ("--patch", "ocr", self.patch.is_some()),
@@ -96,34 +172,38 @@ impl Reading {
             ("--rest", "ocr", self.rest),
             ("--times", "ocr", self.times.is_some()),
         ];
-        match options.iter().find(|(_, of, given)| *given && *of != task) {
+        match options.iter().find(|(_, of, given)| *given && of.split(' ').all(|of| of != task)) {
             Some((name, ..)) => Err(no_such_setting(name, task)),
             None => Ok(()),
         }
     }
 
     /// Reads the corpus at `path` as far as it is to be used.
-    pub fn corpus<T: Task>(&self, path: &Path) -> Result<T::Data> {
+    pub fn corpus<T: Verbs>(&self, path: &Path) -> Result<T::Data> {
         let mut corpus = read_corpus::<T>(path)?;
         if let Some(first) = self.first {
             corpus.truncate(usize::try_from(first).unwrap_or(usize::MAX));
         }
+        T::mend(&mut corpus, self.mending())?;
         Ok(corpus)
+    }
+
+    /// How labels that break the rule are met.
+    pub fn mending(&self) -> Mending {
+        Mending { repair: self.repair, labels: self.labels(), order: self.order.map(Order::from) }
     }
 
     pub fn labels(&self) -> LabelColumn {
         self.label_column.map_or(LabelColumn::Last, LabelColumn::At)
     }
 
-    pub fn order(&self) -> Option<Order> {
-        self.order.map(|name| match name {
-            OrderName::Free => Order::Free,
-            OrderName::Iob2 => Order::Bio,
-        })
-    }
-
     /// The template, by default one for what `corpus` has before its labels. None may look at the labels themselves.
     pub fn template(&self, corpus: &Corpus) -> Result<Template> {
+        self.template_or(corpus, Template::default_for)
+    }
+
+    /// The same with another default, which is made for so many columns.
+    pub fn template_or(&self, corpus: &Corpus, default: impl Fn(usize) -> Template) -> Result<Template> {
         let labels = self.labels().in_corpus(corpus)?;
         let Some(path) = &self.template else {
             if labels == 0 {
@@ -131,15 +211,20 @@ impl Reading {
                     "above 0, or come with a --template: the default one looks at the columns before the labels'";
                 return Err(Error::argument("--label-column", 0, expected));
             }
-            return Ok(Template::default_for(labels));
+            return Ok(default(labels));
         };
-        let template = Template::read_file(path)?;
-        match template.refers_to(labels) {
-            Some(place) => {
-                Err(Error::data(place.clone(), format!("column {labels}, that of the labels"), "another column"))
-            }
-            None => Ok(template),
+        read_template(path, labels)
+    }
+}
+
+/// Reads a template that may not look at the column of labels.
+pub fn read_template(path: &Path, labels: usize) -> Result<Template> {
+    let template = Template::read_file(path)?;
+    match template.refers_to(labels) {
+        Some(place) => {
+            Err(Error::data(place.clone(), format!("column {labels}, that of the labels"), "another column"))
         }
+        None => Ok(template),
     }
 }
 

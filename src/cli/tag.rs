@@ -1,12 +1,12 @@
 //! `rollin tag`
 
-use super::options::ReadingName;
+use super::options::{ReadingName, no_such_setting};
 use super::tasks::{read_model, with_task};
 use super::{Global, closed};
 use crate::error::{Error, Result};
 use crate::read::conll::{Block, Blocks};
 use crate::seed::Seed;
-use crate::tasks::{Data, Model, Task};
+use crate::tasks::{Data, Model, Task, write_labels};
 use clap::Args;
 use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Tag, parse or read standard input. A tagger prints every line again with the label as a further last column; blank lines are kept.
 ///
 /// Its input has one token a line, a blank line after each sentence, and the columns that the model was trained on. The column of labels
-/// may be there or not. A parser reads CoNLL-U and prints it again with HEAD and DEPREL filled in; all else is kept. A reader of
+/// may be there or not. So does a segmenter, whose labels are those of IOB2. A parser reads CoNLL-U and prints it again with HEAD and DEPREL filled in; all else is kept. A reader of
 /// handwriting prints every line again with the letter as a further last column; where the letter is not known, the input has `_`.
 #[derive(Args)]
 pub struct Tag {
@@ -25,6 +25,9 @@ pub struct Tag {
     /// How to choose a label from a mixture of classifiers [default: as the model says]
     #[arg(long, value_enum, value_name = "NAME")]
     reading: Option<ReadingName>,
+    /// Write how sure each label is as one more column: its probability, or that of the span it belongs to, as learned by `rollin train --calibrate`
+    #[arg(long)]
+    confidence: bool,
 }
 
 /// Lines of a block, which one thread tags at a time.
@@ -46,7 +49,18 @@ impl Tag {
 
     fn run_with<T: Task>(&self, mut model: Model<T>, global: &Global) -> Result<()> {
         if let Some(reading) = self.reading {
-            model.policy = model.policy.read_as(reading.into());
+            model = model.read_as(reading.into());
+        }
+        if self.confidence {
+            if !T::CONFIDENT {
+                return Err(no_such_setting("--confidence", T::NAME));
+            }
+            if model.temperatures.is_empty() {
+                let remedy = "train it with --calibrate, and with the --reading that it is used with";
+                return Err(Error::file(&self.model, "a model that was not calibrated", remedy));
+            }
+        } else {
+            model.temperatures.clear();
         }
         let path = Path::new("<stdin>");
         let (mut stream, mut sentences) = (T::Stream::default(), 0);
@@ -91,5 +105,12 @@ fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, global: &Gl
     let mut text = Vec::with_capacity(2 * block.bytes.len());
     let answered = data.as_ref().map(|data| (data, &actions[..]));
     model.encoding.write(&block, answered, &mut text).map_err(closed)?;
-    Ok(text)
+    let Some(data) = &data else { return Ok(text) };
+    let Some(sure) = model.sure(data, &actions, before, Seed::new(global.seed))? else { return Ok(text) };
+    // What was written has the same lines: each of a token gets one column more.
+    let lines = model.encoding.lines(data, &actions);
+    let columns = lines.iter().map(|(line, action)| (*line, format!("{:.4}", sure[*action])));
+    let mut more = Vec::with_capacity(2 * text.len());
+    write_labels(&Block { bytes: text, ..block }, columns, &mut more).map_err(closed)?;
+    Ok(more)
 }

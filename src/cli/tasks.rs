@@ -1,10 +1,10 @@
 //! The tasks as the command line knows them.
 
 use super::compare::Both;
-use super::options::{Reading, SystemName, no_such_setting, read};
+use super::options::{Mending, Reading, SystemName, no_such_setting, read};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::tasks::{Task, ocr, parsing, tagging, task_of};
+use crate::tasks::{Task, ocr, parsing, segmenting, tagging, task_of};
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -14,6 +14,8 @@ pub enum TaskName {
     /// One label for every token
     #[default]
     Tagging,
+    /// Spans: the length and the label of the next one
+    Segmenting,
     /// Dependency trees, from CoNLL-U
     Parsing,
     /// Handwritten words, letter by letter
@@ -26,6 +28,10 @@ macro_rules! with_task {
         match $name {
             $crate::cli::tasks::TaskName::Tagging => {
                 type $T = $crate::tasks::tagging::Encoding;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Segmenting => {
+                type $T = $crate::tasks::segmenting::Spans;
                 $body
             }
             $crate::cli::tasks::TaskName::Parsing => {
@@ -67,13 +73,28 @@ pub trait Verbs: Task {
     /// Looks for the right labels in this column.
     fn set_column(&mut self, column: usize) -> Result<()>;
 
+    /// Meets labels that break their rule; there is such a thing in tagging only.
+    fn mend(data: &mut Self::Data, how: Mending) -> Result<()> {
+        let _ = data;
+        if how.repair { Err(no_such_setting("--repair", Self::NAME)) } else { Ok(()) }
+    }
+
+    /// How labels are met that break the rule by which this was trained.
+    fn mending(&self, repair: bool) -> Mending {
+        Mending { repair, labels: tagging::LabelColumn::Last, order: None }
+    }
+
     /// What to compare on where no data are given.
     fn embedded() -> Option<Result<Both<Self::Data>>>;
 }
 
 impl Verbs for tagging::Encoding {
     fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
-        Ok(tagging::Settings { template: options.template(data)?, labels: options.labels(), order: options.order() })
+        Ok(tagging::Settings {
+            template: options.template(data)?,
+            labels: options.labels(),
+            order: options.mending().order,
+        })
     }
 
     fn set_column(&mut self, column: usize) -> Result<()> {
@@ -81,10 +102,39 @@ impl Verbs for tagging::Encoding {
         Ok(())
     }
 
+    fn mend(data: &mut Corpus, how: Mending) -> Result<()> {
+        how.mend(data)
+    }
+
+    fn mending(&self, repair: bool) -> Mending {
+        let order = Some(self.transitions.order()).filter(|order| *order != tagging::Order::Free);
+        Mending { repair, labels: tagging::LabelColumn::At(self.label_column), order }
+    }
+
     fn embedded() -> Option<Result<Both<Corpus>>> {
         Some(super::compare::embedded())
     }
 }
+
+impl Verbs for segmenting::Spans {
+    fn settings(options: &Reading, data: &Corpus) -> Result<segmenting::Settings> {
+        let (labels, longest) = (options.labels(), options.span.map_or(LONGEST, u32::from));
+        let template = options.template_or(data, |columns| segmenting::default_template(columns, longest))?;
+        Ok(segmenting::Settings { template, labels, longest })
+    }
+
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        self.set_label_column(column);
+        Ok(())
+    }
+
+    fn embedded() -> Option<Result<Both<Corpus>>> {
+        None
+    }
+}
+
+/// The longest span where nothing else is asked for: one in a thousand of CoNLL-2000's is longer.
+const LONGEST: u32 = 8;
 
 impl Verbs for parsing::Encoding {
     fn settings(options: &Reading, _: &Self::Data) -> Result<parsing::Settings> {

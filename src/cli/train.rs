@@ -1,20 +1,21 @@
 //! `rollin train`
 
 use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
-use super::options::{LearnerOptions, Reading, ReadingName};
+use super::options::{LearnerOptions, Reading, ReadingName, no_such_setting};
 use super::progress::Bar;
 use super::tasks::{TaskName, Verbs, with_task};
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::check_writable;
 use crate::report::{Table, grouped};
-use crate::seed::Seed;
+use crate::seed::{Purpose, Seed};
 use crate::tasks::{About, Data, Fact, Model};
 use crate::trainer::{Progress, Run};
 use clap::Args;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Train a tagger, a parser or a reader of handwriting and write its model file.
+/// Train a tagger, a segmenter, a parser or a reader of handwriting and write its model file.
 #[derive(Args)]
 #[command(after_help = RECIPES)]
 pub struct Train {
@@ -34,6 +35,9 @@ pub struct Train {
     /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn, cpi)
     #[arg(long, value_enum, default_value = "mean", value_name = "NAME")]
     reading: ReadingName,
+    /// Set the last tenth of the sentences aside, to learn from them how sure the model may be: for `rollin tag --confidence`
+    #[arg(long)]
+    calibrate: bool,
     #[command(flatten)]
     columns: Reading,
     #[command(flatten)]
@@ -60,13 +64,22 @@ impl Train {
         }
         check_writable(&self.model)?;
         let corpus = self.columns.corpus::<T>(&self.data)?;
-        let (encoding, problem) = T::learn(&corpus, T::settings(&self.columns, &corpus)?)?;
+        let (encoding, mut problem) = T::learn(&corpus, T::settings(&self.columns, &corpus)?)?;
+        let held_out = self.held_out::<T>(&corpus)?;
+        problem.episodes = held_out.start;
 
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
         let run = Run { seed: Seed::new(global.seed), watch: &watch };
         let trained = T::train(&problem, &run, &|problem, run| trainer.train(problem, &learner, run))?;
         drop(bar);
+        let policy = trained.policy.read_as(self.reading.into());
+        let mut temperatures = Vec::new();
+        if self.calibrate {
+            problem.episodes = held_out.end;
+            let seed = Seed::new(global.seed).child(Purpose::Evaluation, 1);
+            temperatures = T::calibrate(&policy, &problem, &held_out.collect::<Vec<_>>(), seed);
+        }
         // Large, and of no more use.
         drop(problem);
 
@@ -79,7 +92,7 @@ impl Train {
             tokens: corpus.tokens(),
             ledger: trained.ledger,
         };
-        let model = Model::new(encoding, trained.policy.read_as(self.reading.into()), about)?;
+        let model = Model { temperatures, ..Model::new(encoding, policy, about)? };
         model.save(&self.model)?;
         let facts = model.encoding.facts();
 
@@ -101,6 +114,24 @@ impl Train {
             short(&facts),
             self.model.display(),
         ))
+    }
+}
+
+impl Train {
+    /// The numbers of the sentences that are set aside: none, or the last tenth.
+    fn held_out<T: Verbs>(&self, corpus: &T::Data) -> Result<Range<usize>> {
+        let all = corpus.sentences();
+        if !self.calibrate {
+            return Ok(all..all);
+        }
+        if !T::CONFIDENT {
+            return Err(no_such_setting("--calibrate", T::NAME));
+        }
+        if all < 10 {
+            let few = format!("too few sentences to set a tenth aside: {all}");
+            return Err(Error::file(corpus.path(), few, "give at least 10, or leave --calibrate out"));
+        }
+        Ok(all - all / 10..all)
     }
 }
 

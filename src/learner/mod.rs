@@ -28,7 +28,7 @@ mod tabular;
 mod tree;
 mod wap;
 
-pub use calibrate::{Reliability, calibrate};
+pub use calibrate::{Reliability, calibrate, calibration_error};
 pub use costtree::CostTree;
 pub use crammer::{CrammerCourse, CrammerSinger};
 pub use crossvalidated::CrossValidated;

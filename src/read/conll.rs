@@ -36,21 +36,21 @@ pub fn parse(text: &[u8], path: &Path, first_line: usize) -> Result<Corpus> {
 }
 
 /// A text and where it comes from.
-struct Source<'a> {
-    text: &'a [u8],
-    path: &'a Path,
-    first_line: usize,
+pub(super) struct Source<'a> {
+    pub(super) text: &'a [u8],
+    pub(super) path: &'a Path,
+    pub(super) first_line: usize,
 }
 
 impl Source<'_> {
     /// The place at byte `offset`.
-    fn place(&self, offset: usize) -> Place {
+    pub(super) fn place(&self, offset: usize) -> Place {
         let place = Place::of(self.path, self.text, offset);
         Place { line: place.line - 1 + self.first_line, ..place }
     }
 
     /// The text as characters, if it can be a corpus.
-    fn characters(&self) -> Result<&str> {
+    pub(super) fn characters(&self) -> Result<&str> {
         if let Some(offset) = memchr(0, self.text) {
             return Err(Error::data(self.place(offset), "a NUL byte", "text in UTF-8, not a binary file"));
         }

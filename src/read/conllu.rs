@@ -15,6 +15,8 @@
 //! # Ok::<(), rollin::Error>(())
 //! ```
 
+pub use columns::write_columns;
+
 use crate::error::{Error, Place, Result};
 use memchr::memchr;
 use nom::branch::alt;
@@ -381,6 +383,7 @@ impl Treebank {
         &self.starts
     }
 
+    /// The text in column `c`, from 0, of word `w`.
     fn cell(&self, w: usize, c: usize) -> &str {
         let cells = &self.words[w].cells;
         &self.text[cells[c] as usize..cells[c + 1] as usize - 1]
@@ -485,5 +488,6 @@ impl Treebank {
     }
 }
 
+mod columns;
 #[cfg(test)]
 mod tests;

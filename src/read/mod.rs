@@ -1,9 +1,12 @@
 //! Readers of text, all written with nom: every error says path, line, column and what was expected.
 
+pub mod attributes;
 pub mod conll;
 pub mod conllu;
+pub mod crfsuite;
 pub mod grammar;
 pub mod grid;
 pub mod letters;
 pub mod template;
 pub mod track;
+pub mod vw;

@@ -56,8 +56,10 @@
 mod pattern;
 mod plan;
 mod regex;
+mod spell;
 
 pub use plan::{ABSENT, Bound, Numbered};
+pub use spell::Speller;
 
 use crate::corpus::{Corpus, MARK};
 use crate::error::{Error, Place, Result};
@@ -246,6 +248,21 @@ impl Template {
     /// # Errors
     /// When the template refers to a column that the corpus does not have.
     pub fn bind<'a>(&'a self, corpus: &'a Corpus) -> Result<Bound<'a>> {
+        self.check_columns(corpus)?;
+        Ok(Bound::new(self, corpus))
+    }
+
+    /// The template ready to spell out its features for `corpus`, for other programs.
+    ///
+    /// # Errors
+    /// When the template refers to a column that the corpus does not have.
+    pub fn speller<'a>(&self, corpus: &'a Corpus) -> Result<Speller<'a>> {
+        self.check_columns(corpus)?;
+        Ok(Speller::new(&self.text, corpus))
+    }
+
+    /// Refuses a corpus that lacks a column the template refers to.
+    fn check_columns(&self, corpus: &Corpus) -> Result<()> {
         let count = corpus.columns.len();
         if let Some((column, place)) = self.columns.iter().find(|(column, _)| *column as usize >= count) {
             let columns = match count {
@@ -256,7 +273,7 @@ impl Template {
             let expected = format!("a column of {}, which has {columns}", corpus.path.display());
             return Err(Error::data(place.clone(), format!("column {column}"), expected));
         }
-        Ok(Bound::new(self, corpus))
+        Ok(())
     }
 }
 

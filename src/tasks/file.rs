@@ -37,6 +37,9 @@ struct Header<H> {
     /// How many features have weights, for each classifier.
     rows: Vec<usize>,
     about: About,
+    /// Left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    temperatures: Vec<f32>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -123,6 +126,7 @@ impl<T: Task> Model<T> {
             columns: self.columns(),
             rows: classifiers.iter().map(|c| c.weights.len()).collect(),
             about: self.about.clone(),
+            temperatures: self.temperatures.clone(),
         };
         let json = serde_json::to_vec(&header).unwrap_or_default();
         let arrays = self.encoding.arrays();
@@ -204,8 +208,13 @@ impl<T: Task> Model<T> {
         if !arrays.is_empty() || classifiers.is_empty() {
             return Err(broken("its arrays are not as long as it says"));
         }
+        let temperatures = header.temperatures;
+        let possible = temperatures.iter().all(|temperature| *temperature > 0.0 && temperature.is_finite());
+        if !possible || !temperatures.is_empty() && temperatures.len() != classifiers.len() {
+            return Err(broken("its temperatures are not those of its classifiers"));
+        }
         let policy = header.policy.policy(classifiers).map_err(|what| broken(&what))?;
-        Ok(Model { encoding, policy, about: header.about })
+        Ok(Model { encoding, policy, about: header.about, temperatures })
     }
 }
 

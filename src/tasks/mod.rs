@@ -3,6 +3,7 @@
 //! A [`Task`] names what the verbs of the program (and of any other) need: how text is read, how features and actions are learned from it
 //! and found again, what is written, what is measured, and what a model file keeps. A [`Model`] is such a task with a trained policy.
 
+mod confidence;
 mod file;
 pub mod graph;
 pub mod kart;
@@ -12,10 +13,12 @@ pub mod navigation;
 pub mod ocr;
 pub mod parsing;
 pub mod platformer;
+pub mod segmenting;
 pub mod tabular;
 pub mod tagging;
 mod training;
 
+pub use confidence::Done;
 pub use file::{Arrays, task_of};
 pub(crate) use file::{opened, put_rows, sealed, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
@@ -81,6 +84,34 @@ pub trait Task: Sized + Send + Sync {
     fn perform(policy: &Learned, space: Self::Space, episodes: usize, number: usize, seed: Seed) -> Vec<Action> {
         let problem = Imitation { space, expert: Silent, episodes };
         policy.perform_from(&problem, number, seed).0.actions
+    }
+
+    /// Whether an action says something of a token, so that it can be told how sure it is.
+    const CONFIDENT: bool = false;
+
+    /// The temperatures of the classifiers of `policy`, found on these episodes of `problem`, from which it did not learn.
+    fn calibrate(policy: &Learned, problem: &ProblemOf<Self>, episodes: &[usize], seed: Seed) -> Vec<f32> {
+        policy.calibrate(problem, episodes, seed)
+    }
+
+    /// How sure `policy` was of what it did in all `episodes` of `space` by [`Task::perform`].
+    fn sure(policy: &Learned, space: Self::Space, episodes: usize, done: Done<'_>) -> Vec<f32> {
+        policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
+    }
+
+    /// For each token of `data` the line it stands on and which of `actions` says what it is; nothing unless [`Task::CONFIDENT`].
+    fn lines(&self, data: &Self::Data, actions: &[Action]) -> Vec<(usize, usize)> {
+        let _ = (data, actions);
+        Vec::new()
+    }
+
+    /// Which of `actions` are right, each as a whole; nothing unless [`Task::CONFIDENT`].
+    ///
+    /// # Errors
+    /// As [`Task::check`].
+    fn right(&self, data: &Self::Data, actions: &[Action]) -> Result<Vec<bool>> {
+        let _ = (data, actions);
+        Ok(Vec::new())
     }
 
     /// Another corpus as a space, of which no right answers are known.
@@ -186,6 +217,20 @@ pub struct Measure {
     pub name: &'static str,
     /// In percent; none where it means nothing.
     pub percent: Option<f64>,
+}
+
+/// Writes the lines of `block` again, each whose number is next among `labels` with its label.
+pub(crate) fn write_labels(
+    block: &Block,
+    labels: impl Iterator<Item = (usize, impl AsRef<str>)>,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let mut labels = labels.peekable();
+    for (line, number) in block.lines().zip(block.first_line..) {
+        let label = labels.next_if(|(at, _)| *at == number);
+        write_line(out, line, label.as_ref().map(|(_, label)| label.as_ref()))?;
+    }
+    Ok(())
 }
 
 /// Writes one line and, where there is one, a `label` behind a separator like that of the line.

@@ -1,6 +1,6 @@
 //! What training leaves behind: a policy, what turns text into its features, and how both came to be.
 
-use super::Task;
+use super::{Data, Done, Task};
 use crate::error::Result;
 use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
 use crate::roll::{self, Performance};
@@ -168,6 +168,8 @@ pub struct Model<T> {
     pub policy: Learned,
     /// How it came to be.
     pub about: About,
+    /// The temperatures of the policy's classifiers, by which their scores become probabilities; none if it was not calibrated.
+    pub temperatures: Vec<f32>,
 }
 
 impl<T: Task> Model<T> {
@@ -188,12 +190,35 @@ impl<T: Task> Model<T> {
             let more = classifier.weights.features() - before;
             Linear { weights: classifier.weights.renumber(&after[..first + more]), ..classifier }
         });
-        Ok(Model { encoding, policy, about })
+        Ok(Model { encoding, policy, about, temperatures: Vec::new() })
     }
 
     /// What the policy does in all `episodes` of `space`: see [`Task::perform`]. Only a mixture that is sampled draws from `seed`.
     pub fn perform(&self, space: T::Space, episodes: usize, first: usize, seed: Seed) -> Vec<Action> {
         T::perform(&self.policy, space, episodes, first, seed.child(Purpose::Evaluation, 0))
+    }
+
+    /// The same read as `reading`; it is not calibrated any more where that makes one classifier of several.
+    pub fn read_as(mut self, reading: Reading) -> Self {
+        self.policy = self.policy.read_as(reading);
+        if self.temperatures.len() != self.policy.classifiers().len() {
+            self.temperatures.clear();
+        }
+        self
+    }
+
+    /// How sure it was of `actions`, which is what [`Model::perform`] says it does in all `data`, a part of a longer text that starts with its sentence
+    /// number `first`: the probability of each. `None` where it was not calibrated, or the task's actions say nothing of tokens.
+    ///
+    /// # Errors
+    /// As [`Task::apply`].
+    pub fn sure(&self, data: &T::Data, actions: &[Action], first: usize, seed: Seed) -> Result<Option<Vec<f32>>> {
+        if !T::CONFIDENT || self.temperatures.is_empty() {
+            return Ok(None);
+        }
+        let (seed, temperatures) = (seed.child(Purpose::Evaluation, 0), &self.temperatures[..]);
+        let done = Done { actions, number: first, seed, temperatures };
+        Ok(Some(T::sure(&self.policy, self.encoding.apply(data)?, data.sentences(), done)))
     }
 
     /// The columns of the classifiers: what they score.

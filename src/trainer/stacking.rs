@@ -149,11 +149,26 @@ impl<A, B> TwoStage<A, B> {
         A: Policy<P>,
         B: for<'s> Policy<Imitation<Stacked<'s, P::Space>, Silent>>,
     {
-        let (said, bill) = label(problem, &self.first, &all(problem), number, seed.child(Purpose::Round, 1));
-        let space = Stacked::new(problem.space(), self.window, said);
-        let stacked = Imitation { space, expert: Silent, episodes: problem.episodes() };
+        let (stacked, bill) = self.stacked(problem, number, seed);
+        let stacked = Imitation { space: stacked.space, expert: Silent, episodes: stacked.episodes };
         let (done, second) = roll::perform_from(&stacked, &self.second, number, seed);
         (done, bill + second)
+    }
+
+    /// The problem that the second stage has when it performs so: what the first said is in view.
+    pub(crate) fn stacked<'p, P: Problem>(
+        &self,
+        problem: &'p P,
+        number: usize,
+        seed: Seed,
+    ) -> (StackedProblem<'p, P>, Ledger)
+    where
+        P::Space: Space<View = Features>,
+        A: Policy<P>,
+    {
+        let (said, bill) = label(problem, &self.first, &all(problem), number, seed.child(Purpose::Round, 1));
+        let space = Stacked::new(problem.space(), self.window, said);
+        (Imitation { space, expert: Second(problem.expert()), episodes: problem.episodes() }, bill)
     }
 }
 

@@ -1,10 +1,12 @@
 //! The command-line program, run as its users run it.
 #![cfg(feature = "cli")]
 
+mod convert;
 mod good;
 mod large;
 mod ocr;
 mod refusals;
+mod spans;
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -67,6 +69,13 @@ impl Folder {
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success() && errors.is_empty(), "{line}: {:?} {errors}", output.status);
         String::from_utf8(output.stdout).expect("text")
+    }
+
+    /// What a run that succeeds prints, and what it says on standard error.
+    fn told(&self, line: &str, input: impl Into<Vec<u8>>) -> [String; 2] {
+        let output = self.rollin(line).write_stdin(input).output().expect("the program runs");
+        assert!(output.status.success(), "{line}: {:?}", output.status);
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("text"))
     }
 
     fn json(&self, line: &str) -> Value {

@@ -8,8 +8,7 @@ use rollin::corpus::Corpus;
 use rollin::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
-use rollin::space::Sight;
-use rollin::space::{Features, Problem, Space};
+use rollin::space::{Action, CostToGo, Episode, Features, Imitation, Problem, Sight, Space};
 use rollin::tasks::tagging::{AnyLearner, Encoding, LabelColumn, TaggingProblem, Trainer};
 use rollin::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Schedule, Searn, Smile, Stacking, Supervised,
@@ -201,4 +200,46 @@ pub fn agree(counts: &[u64], shares: &[f64]) -> Result<(), String> {
     let degrees = shares.iter().filter(|share| **share > 0.0).count() as f64 - 1.0;
     let bound = degrees + 2.0 * (20.0 * degrees).sqrt() + 40.0;
     if chi <= bound { Ok(()) } else { Err(format!("chi-square {chi} above {bound}: {counts:?} for {shares:?}")) }
+}
+
+/// The least cost from `state` to the end, by trying everything.
+fn least<S: Space<State: Clone>>(space: &S, state: &S::State) -> f64 {
+    let tried = space.legal(state).iter().map(|action| {
+        let mut next = state.clone();
+        let cost = space.step(&mut next, action, rollin::Seed::new(0));
+        cost + least(space, &next)
+    });
+    let found = tried.fold(f64::INFINITY, f64::min);
+    if found == f64::INFINITY { 0.0 } else { found }
+}
+
+/// Checks at every state that can be reached that the expert's costs-to-go are those of trying everything, and that its answer is one of the best. Returns how
+/// many states there were.
+pub fn is_optimal<S, E>(problem: &Imitation<S, E>) -> Result<usize, String>
+where
+    S: Space<State: Clone>,
+    E: CostToGo<S>,
+{
+    fn walk<S: Space<State: Clone>, E: CostToGo<S>>(space: &S, expert: &E, state: &S::State) -> Result<usize, String> {
+        let legal: Vec<Action> = space.legal(state).iter().collect();
+        let (mut costs, mut count) = (Vec::new(), 1);
+        if legal.is_empty() {
+            return Ok(count);
+        }
+        expert.costs(space, state, &mut costs);
+        let mut all = Vec::new();
+        for action in &legal {
+            let mut next = state.clone();
+            all.push(space.step(&mut next, *action, rollin::Seed::new(0)) + least(space, &next));
+            count += walk(space, expert, &next)?;
+        }
+        let answer = expert.action(space, state).and_then(|answer| legal.iter().position(|a| *a == answer));
+        let best = all.iter().copied().fold(f64::INFINITY, f64::min);
+        match answer {
+            Some(place) if all == costs && all[place] == best => Ok(count),
+            _ => Err(format!("{legal:?} cost {all:?}, but the expert says {costs:?} and does {answer:?}")),
+        }
+    }
+    let start = |index| problem.space.start(Episode { index, seed: rollin::Seed::new(0) });
+    (0..problem.episodes).map(|index| walk(&problem.space, &problem.expert, &start(index))).sum()
 }

@@ -31,6 +31,19 @@ impl Transform {
         }
     }
 
+    /// What is made of `word`: the text that [`Transform::hash`] is the hash of.
+    pub(super) fn text(&self, word: &str) -> String {
+        let fold = |text: &str, fold: bool| if fold { text.to_lowercase() } else { text.to_owned() };
+        match self {
+            Transform::Word { fold: lower } => fold(word, *lower),
+            Transform::Test { matcher } => matcher.find(word).is_some().to_string(),
+            Transform::Match { matcher, fold: lower } => fold(matcher.find(word).unwrap_or(""), *lower),
+            Transform::Shape { most, fold } => {
+                word.chars().take(most.unwrap_or(usize::MAX)).map(|c| shape(c, *fold)).collect()
+            }
+        }
+    }
+
     /// Whether the result is always the word as it is.
     pub(super) fn is_identity(&self) -> bool {
         *self == Transform::Word { fold: false }

@@ -6,7 +6,7 @@ use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::index::Index;
 use crate::read::template::{ABSENT, Template};
-use crate::space::FeatureTable;
+use crate::space::{Action, FeatureTable};
 use std::sync::Arc;
 
 /// Labels are counted in 16 bits, one of which stands for the begin mark.
@@ -122,7 +122,7 @@ impl LabelColumn {
 impl Encoding {
     /// Learns the labels and features of `corpus`, and gives it in numbers.
     ///
-    /// With no `order` given, labels that look like IOB2 and follow its rule everywhere are held to it.
+    /// With no `order` given, labels that look like IOB2 or BILOU and follow its rule everywhere are held to it.
     ///
     /// # Errors
     /// When a column is missing that the labels or the template need, there are too many labels, or the labels break the `order` that is asked for.
@@ -145,14 +145,18 @@ impl Encoding {
 
         let wanted = order.unwrap_or_else(|| Transitions::suggest(&names));
         let mut transitions = Transitions::new(wanted, &names);
-        if let Some(token) = first_illegal(&transitions, corpus, &gold) {
+        if let Some(token) = illegal(&transitions, corpus, &gold).first() {
             if order.is_some() {
-                let place = corpus.place(token, label_column);
-                return Err(Error::data(
-                    place,
-                    format!("label {}", column.word(token)),
-                    "a label that may stand there",
-                ));
+                let place = corpus.place(*token, label_column);
+                let expected = format!("a label that may stand there by {}, as --repair makes it", wanted.name());
+                return Err(Error::data(place, format!("label {}", column.word(*token)), expected));
+            }
+            transitions = Transitions::new(Order::Free, &names);
+        }
+        if !transitions.go_on() {
+            if order.is_some() {
+                let expected = "an order that these labels can go on with to the end of any sentence";
+                return Err(Error::argument("order", wanted.name(), expected));
             }
             transitions = Transitions::new(Order::Free, &names);
         }
@@ -262,15 +266,18 @@ fn read(
     Ok(rows)
 }
 
-/// The first token whose label may not stand where it does.
-fn first_illegal(transitions: &Transitions, corpus: &Corpus, gold: &[u32]) -> Option<usize> {
-    (0..corpus.sentences()).map(|i| corpus.sentence(i)).find_map(|sentence| {
+/// The tokens whose labels may not stand where they do; a label after such a one is held against it all the same.
+pub(super) fn illegal(transitions: &Transitions, corpus: &Corpus, gold: &[u32]) -> Vec<usize> {
+    let mut found = Vec::new();
+    for sentence in (0..corpus.sentences()).map(|i| corpus.sentence(i)) {
         let mut previous = transitions.begin();
-        sentence.into_iter().find(|token| {
-            let label = gold[*token];
-            let legal = transitions.after(previous).contains(crate::space::Action(label));
-            previous = label;
-            !legal
-        })
-    })
+        for token in sentence.clone() {
+            let left = (sentence.end - token) as u32;
+            if !transitions.after(previous, left).contains(Action(gold[token])) {
+                found.push(token);
+            }
+            previous = gold[token];
+        }
+    }
+    found
 }

@@ -6,13 +6,15 @@
 pub mod doc;
 mod encoding;
 pub mod readings;
+mod repair;
 mod space;
 mod task;
 mod transitions;
 
 pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
+pub use repair::{Mended, illegal, repair};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
-pub use task::{Header, Settings, Tagger};
+pub use task::{Columns, Header, Settings, Tagger};
 pub use transitions::{Order, Transitions};
 
 pub use super::{About, AnyLearner, Learned, Trainer};

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::roll::Performance;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Imitation, Silent, Space};
-use crate::tasks::{Learned, Training};
+use crate::tasks::{Done, Learned, Training};
 use crate::trainer::{Run, Trained};
 use crate::worker::Ledger;
 
@@ -18,7 +18,8 @@ pub const FOLDS: usize = 2;
 /// # Errors
 /// When there are fewer sentences than [`FOLDS`], and whatever `train` returns.
 pub fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Encoding>) -> Result<Trained<Learned>> {
-    let backwards = problem.space.backwards();
+    let sentences = problem.space.part(|i| i < problem.episodes);
+    let backwards = sentences.backwards();
     if backwards.sentences() < FOLDS {
         let expected = format!("at least {FOLDS} for a template that looks ahead");
         return Err(Error::argument("sentences", backwards.sentences(), expected));
@@ -44,12 +45,34 @@ pub fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Encod
         ledger += bill;
     }
     let first = train(&backwards.problem(), &unseen(0))?;
-    let told = problem.space.told(&said.concat());
+    let told = sentences.told(&said.concat());
     let second = train(&told.problem(), &Run { seed: seed(1), ..*run })?;
     ledger += first.ledger;
     ledger += second.ledger;
     let policy = Learned::Readings { first: Box::new(first.policy), second: Box::new(second.policy) };
     Ok(Trained { policy, ledger, rounds: second.rounds })
+}
+
+/// The temperatures of the classifiers of `policy`: those of two readings each in its own, the second told by the first.
+pub fn calibrate(policy: &Learned, problem: &TaggingProblem, episodes: &[usize], seed: Seed) -> Vec<f32> {
+    let Learned::Readings { first, second } = policy else { return policy.calibrate(problem, episodes, seed) };
+    let backwards = problem.space.backwards();
+    let (said, _) = perform(first, backwards.clone(), 0, seed.child(Purpose::Reading, 0));
+    let told = problem.space.told(&said.actions).problem();
+    let first = first.calibrate(&backwards.problem(), episodes, seed);
+    [first, second.calibrate(&told, episodes, seed)].concat()
+}
+
+/// How sure `policy` was of what [`perform`] says it does: of two readings the second.
+pub fn sure(policy: &Learned, space: Tagging, done: Done<'_>) -> Vec<f32> {
+    if let Learned::Readings { first, second } = policy {
+        let (said, _) = perform(first, space.backwards(), done.number, done.seed.child(Purpose::Reading, 0));
+        let temperatures = &done.temperatures[first.classifiers().len().min(done.temperatures.len())..];
+        let done = Done { temperatures, seed: done.seed.child(Purpose::Reading, 1), ..done };
+        return sure(second, space.told(&said.actions), done);
+    }
+    let episodes = space.sentences();
+    policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
 }
 
 /// What `policy` does with the sentences of `space`, the first of which has the number `number` in a longer text: in both readings where

@@ -114,6 +114,24 @@ pub struct Position {
 }
 
 impl Position {
+    /// The token at hand.
+    pub fn token(&self) -> u32 {
+        self.token
+    }
+
+    /// How many tokens have no label yet, the one at hand among them.
+    pub fn left(&self) -> u32 {
+        self.left
+    }
+
+    /// Goes `tokens` tokens further on, of which `label` is what was said last.
+    pub(in crate::tasks) fn advance(&mut self, tokens: u32, label: u32) {
+        self.token += tokens;
+        self.left -= tokens;
+        self.history.copy_within(..MAX_ORDER - 1, 1);
+        self.history[0] = label as u16;
+    }
+
     fn previous(&self) -> u32 {
         u32::from(self.history[0])
     }
@@ -179,16 +197,16 @@ impl Tagging {
         if self.transitions.order() == Order::Free || next == end {
             return 0;
         }
-        if self.transitions.allows(previous, self.gold[next as usize]) {
+        if self.transitions.allows(previous, self.gold[next as usize], end - next) {
             return 0;
         }
         let mut front = vec![previous];
         for at in next..end {
             let gold = self.gold[at as usize];
-            if front.iter().any(|y| self.transitions.allows(*y, gold)) {
+            if front.iter().any(|y| self.transitions.allows(*y, gold, end - at)) {
                 return at - next;
             }
-            front = front.iter().flat_map(|y| self.transitions.after(*y).iter().map(|a| a.0)).collect();
+            front = front.iter().flat_map(|y| self.transitions.after(*y, end - at).iter().map(|a| a.0)).collect();
             front.sort_unstable();
             front.dedup();
         }
@@ -236,7 +254,7 @@ impl Space for Tagging {
 
     #[inline]
     fn legal<'a>(&'a self, state: &'a Position) -> Actions<'a> {
-        if state.left == 0 { Actions::NONE } else { self.transitions.after(state.previous()) }
+        if state.left == 0 { Actions::NONE } else { self.transitions.after(state.previous(), state.left) }
     }
 
     #[inline]
@@ -298,7 +316,7 @@ impl Expert<Tagging> for Gold {
     #[inline]
     fn action(&self, space: &Tagging, state: &Position) -> Option<Action> {
         let gold = *space.gold.get(state.token as usize)?;
-        if space.transitions.allows(state.previous(), gold) {
+        if space.transitions.allows(state.previous(), gold, state.left) {
             return Some(Action(gold));
         }
         let legal = space.legal(state);

@@ -12,7 +12,7 @@ use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Fact, Learned, Measure, Model, Task, Training, write_line};
+use crate::tasks::{Arrays, Data, Done, Fact, Learned, Measure, Model, Task, Training, write_labels};
 use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -78,8 +78,7 @@ impl Task for Encoding {
     type Expert = Gold;
     type Score = Score;
     type Header = Header;
-    /// The number of columns and the line they were first found on.
-    type Stream = Option<(usize, usize)>;
+    type Stream = Columns;
 
     fn parse(text: &[u8], path: &Path) -> Result<Corpus> {
         conll::parse(text, path, 1)
@@ -89,7 +88,7 @@ impl Task for Encoding {
         let corpus = block.corpus(path)?;
         if let Some(corpus) = &corpus {
             self.check_columns(corpus)?;
-            even(*stream.get_or_insert((corpus.columns.len(), corpus.lines[0])), corpus)?;
+            stream.check(corpus)?;
         }
         Ok(corpus)
     }
@@ -110,18 +109,33 @@ impl Task for Encoding {
         readings::perform(policy, space, number, seed).0.actions
     }
 
+    const CONFIDENT: bool = true;
+
+    fn calibrate(policy: &Learned, problem: &TaggingProblem, episodes: &[usize], seed: Seed) -> Vec<f32> {
+        readings::calibrate(policy, problem, episodes, seed)
+    }
+
+    fn sure(policy: &Learned, space: Tagging, _: usize, done: Done<'_>) -> Vec<f32> {
+        readings::sure(policy, space, done)
+    }
+
+    fn lines(&self, corpus: &Corpus, _: &[Action]) -> Vec<(usize, usize)> {
+        corpus.lines.iter().copied().zip(0..).collect()
+    }
+
+    fn right(&self, corpus: &Corpus, actions: &[Action]) -> Result<Vec<bool>> {
+        let column = &corpus.columns[LabelColumn::At(self.label_column).in_corpus(corpus)?];
+        Ok(actions.iter().enumerate().map(|(t, action)| column.word(t) == self.labels[action.index()]).collect())
+    }
+
     fn apply(&self, corpus: &Corpus) -> Result<Tagging> {
         Encoding::apply(self, corpus)
     }
 
     fn write(&self, block: &Block, of: Option<(&Corpus, &[Action])>, out: &mut impl Write) -> io::Result<()> {
         let (lines, actions) = of.map_or((&[][..], &[][..]), |(corpus, actions)| (&corpus.lines[..], actions));
-        let mut tagged = lines.iter().zip(actions).peekable();
-        for (line, number) in block.lines().zip(block.first_line..) {
-            let label = tagged.next_if(|(at, _)| **at == number);
-            write_line(out, line, label.map(|(_, label)| self.labels[label.index()].as_str()))?;
-        }
-        Ok(())
+        let labels = actions.iter().map(|action| self.labels[action.index()].as_str());
+        write_labels(block, lines.iter().copied().zip(labels), out)
     }
 
     fn check(&self, corpus: &Corpus) -> Result<()> {
@@ -217,10 +231,7 @@ impl Task for Encoding {
     }
 
     fn facts(&self) -> Vec<Fact> {
-        let order = match self.transitions.order() {
-            Order::Free => "free",
-            Order::Bio => "iob2",
-        };
+        let order = self.transitions.order().name();
         vec![
             Fact { name: "order", text: order.into(), value: order.into() },
             Fact { name: "labels", text: self.labels.join(" "), value: self.labels.clone().into() },
@@ -251,19 +262,28 @@ fn columns(n: usize) -> String {
     if n == 1 { "1 column".to_owned() } else { format!("{n} columns") }
 }
 
-/// Refuses a block whose lines have another number of columns than those of the blocks before, the first of which stands on
-/// line `line`.
-fn even((expected, line): (usize, usize), block: &Corpus) -> Result<()> {
-    let found = block.columns.len();
-    if found == expected {
-        return Ok(());
+/// The columns of a stream of blocks: how many, and the line on which so many were first found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Columns(Option<(usize, usize)>);
+
+impl Columns {
+    /// Refuses a block whose lines have another number of columns than those of the blocks before.
+    ///
+    /// # Errors
+    /// With the place where the first column too many begins, or one too few would.
+    pub fn check(&mut self, block: &Corpus) -> Result<()> {
+        let found = block.columns.len();
+        let (expected, line) = *self.0.get_or_insert((found, block.lines.first().copied().unwrap_or(0)));
+        if found == expected {
+            return Ok(());
+        }
+        let mut place = block.place(0, found.min(expected));
+        if found < expected {
+            // A word is missing where the line ends, not a separator further on.
+            place.column -= 1;
+        }
+        Err(Error::data(place, columns(found), format!("{} as on line {line}", columns(expected))))
     }
-    let mut place = block.place(0, found.min(expected));
-    if found < expected {
-        // A word is missing where the line ends, not a separator further on.
-        place.column -= 1;
-    }
-    Err(Error::data(place, columns(found), format!("{} as on line {line}", columns(expected))))
 }
 
 impl Data for Corpus {

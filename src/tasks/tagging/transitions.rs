@@ -11,6 +11,19 @@ pub enum Order {
     Free,
     /// IOB2: an I-X only after a B-X or an I-X.
     Bio,
+    /// BILOU: a span is one U-X, or a B-X, any number of I-X and an L-X. S-X and E-X mean the same as U-X and L-X, so IOBES is this order, too.
+    Bilou,
+}
+
+impl Order {
+    /// Its name, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Order::Free => "free",
+            Order::Bio => "iob2",
+            Order::Bilou => "bilou",
+        }
+    }
 }
 
 /// The labels that may follow each label.
@@ -18,9 +31,12 @@ pub enum Order {
 pub struct Transitions {
     order: Order,
     labels: usize,
-    /// For [`Order::Bio`]: `after[y]`, and last what may start a sentence.
+    /// Where there is an order: `after[y]`, and last what may start a sentence.
     after: Vec<Box<[Action]>>,
-    /// For [`Order::Bio`]: whether label y may follow x, at `x * labels + y`; x is the number of labels at the start of a sentence.
+    /// The same for the last token of a sentence, where that is another matter.
+    at_end: Vec<Box<[Action]>>,
+    /// Where there is an order: whether label y may follow x, at `x * labels + y`; x is the number of labels at the start of a sentence. What may follow at
+    /// the end of a sentence stands behind all that, where it is another matter.
     allowed: Vec<bool>,
     /// The span type of each label; labels of one type are kin.
     kinds: Vec<u32>,
@@ -31,6 +47,11 @@ fn split(label: &str) -> (&str, &str) {
     label.split_once('-').unwrap_or((label, ""))
 }
 
+/// Whether a prefix says that a span goes on from the token before.
+fn goes_on(prefix: &str) -> bool {
+    matches!(prefix, "I" | "L" | "E")
+}
+
 impl Transitions {
     /// The transitions between labels of these names.
     pub fn new(order: Order, names: &[String]) -> Self {
@@ -38,29 +59,57 @@ impl Transitions {
             .iter()
             .map(|name| names.iter().position(|other| split(other).1 == split(name).1).unwrap_or(0) as u32)
             .collect();
-        let rule = |before: Option<&str>, after: &str| {
+        let closes = |name: &String, kind: &str| matches!(split(name), ("L" | "E", k) if k == kind);
+        // The type of the span that is open after a label. In BILOU none is opened that could not be closed again.
+        let open = |name: &str| {
+            let (prefix, kind) = split(name);
+            let opens = matches!(prefix, "B" | "I");
+            (opens && (order != Order::Bilou || names.iter().any(|name| closes(name, kind)))).then_some(kind.to_owned())
+        };
+        let may_follow = |before: Option<&str>, after: &str, end: bool| {
             let (prefix, kind) = split(after);
-            prefix != "I" || before.map(split).is_some_and(|(p, k)| k == kind && (p == "B" || p == "I"))
+            let inside = before.and_then(open);
+            match order {
+                Order::Free => true,
+                Order::Bio => prefix != "I" || inside.as_deref() == Some(kind),
+                Order::Bilou if matches!(prefix, "B" | "I") && (end || open(after).is_none()) => false,
+                Order::Bilou => inside.as_deref() == goes_on(prefix).then_some(kind),
+            }
         };
-        let befores = names.iter().map(|name| Some(name.as_str())).chain([None]);
-        let allowed: Vec<bool> = match order {
-            Order::Free => Vec::new(),
-            Order::Bio => befores.flat_map(|before| names.iter().map(move |name| rule(before, name))).collect(),
+        let befores = || names.iter().map(|name| Some(name.as_str())).chain([None]);
+        let ends: &[bool] = match order {
+            Order::Free => &[],
+            Order::Bio => &[false],
+            Order::Bilou => &[false, true],
         };
+        let rows = ends.iter().flat_map(|end| befores().map(move |before| (*end, before)));
+        let allowed: Vec<bool> = rows
+            .flat_map(|(end, before)| names.iter().map(move |name| (before, name, end)))
+            .map(|(before, name, end)| may_follow(before, name, end))
+            .collect();
         let list = |row: &[bool]| (0..).zip(row).filter(|(_, may)| **may).map(|(y, _)| Action(y)).collect();
-        let after = allowed.chunks(names.len().max(1)).map(list).collect();
-        Transitions { order, labels: names.len(), after, allowed, kinds }
+        let mut after: Vec<Box<[Action]>> = allowed.chunks(names.len().max(1)).map(list).collect();
+        let at_end = after.split_off(after.len().min(names.len() + 1));
+        Transitions { order, labels: names.len(), after, at_end, allowed, kinds }
     }
 
     /// The same labels without any order.
     pub fn freed(&self) -> Self {
-        Transitions { order: Order::Free, after: Vec::new(), allowed: Vec::new(), ..self.clone() }
+        let (after, at_end, allowed) = Default::default();
+        Transitions { order: Order::Free, after, at_end, allowed, ..self.clone() }
     }
 
-    /// The order that labels of these names suggest: IOB2 where every name is `O`, `B-X` or `I-X`, with at least one `I-X`.
+    /// The order that labels of these names suggest, where every one is `O` or a prefix and a type: BILOU with at least one `L-X`, `U-X`, `E-X` or
+    /// `S-X`, else IOB2 with at least one `I-X`.
     pub fn suggest(names: &[String]) -> Order {
-        let spans = names.iter().all(|name| name == "O" || name.starts_with("B-") || name.starts_with("I-"));
-        if spans && names.iter().any(|name| name.starts_with("I-")) { Order::Bio } else { Order::Free }
+        let prefix = |name: &String| name.split_once('-').map(|(prefix, _)| prefix.to_owned());
+        let spans = |name: &String| name == "O" || prefix(name).is_some_and(|p| "BILEUS".contains(&p) && p.len() == 1);
+        let any = |wanted: &str| names.iter().filter_map(prefix).any(|p| wanted.contains(&p));
+        match names.iter().all(spans) {
+            true if any("LEUS") => Order::Bilou,
+            true if any("I") => Order::Bio,
+            _ => Order::Free,
+        }
     }
 
     /// The rule.
@@ -73,27 +122,31 @@ impl Transitions {
         self.labels as u32
     }
 
-    /// The labels that may follow `previous`.
+    /// The labels that may follow `previous` where `left` tokens are still without a label, the one that gets it counted; at least one.
     #[inline]
-    pub fn after(&self, previous: u32) -> Actions<'_> {
+    pub fn after(&self, previous: u32, left: u32) -> Actions<'_> {
         match self.order {
             Order::Free => Actions::All(self.labels as u32),
-            Order::Bio => Actions::Only(&self.after[previous as usize]),
+            Order::Bilou if left == 1 => Actions::Only(&self.at_end[previous as usize]),
+            _ => Actions::Only(&self.after[previous as usize]),
         }
     }
 
-    /// Whether `label` may follow `previous`.
+    /// Whether `label` may follow `previous` where `left` tokens are still without a label, the one that gets it counted.
     #[inline]
-    pub fn allows(&self, previous: u32, label: u32) -> bool {
-        match self.order {
-            Order::Free => true,
-            Order::Bio => self.allowed[previous as usize * self.labels + label as usize],
-        }
+    pub fn allows(&self, previous: u32, label: u32, left: u32) -> bool {
+        let row = match self.order {
+            Order::Free => return true,
+            Order::Bilou if left == 1 => self.labels + 1 + previous as usize,
+            _ => previous as usize,
+        };
+        self.allowed[row * self.labels + label as usize]
     }
 
-    /// Whether some label may follow every other, and one may come first: without that a sentence could not be finished.
+    /// Whether some label may follow every other, one may come first, and a sentence may end everywhere or in one label more: without that it could
+    /// not be finished.
     pub fn go_on(&self) -> bool {
-        (0..=self.begin()).all(|previous| !self.after(previous).is_empty())
+        (0..=self.begin()).all(|previous| (1..=2).all(|left| !self.after(previous, left).is_empty()))
     }
 
     /// Whether two labels differ in nothing but their prefix.
@@ -106,23 +159,61 @@ impl Transitions {
 mod tests {
     use super::*;
 
+    fn names(names: &[&str]) -> Vec<String> {
+        names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// What may follow each label, and what may come first.
+    fn follow(transitions: &Transitions, names: &[String], left: u32) -> Vec<String> {
+        let after =
+            |y| transitions.after(y, left).iter().map(|a| names[a.index()].as_str()).collect::<Vec<_>>().join(" ");
+        (0..=transitions.begin()).map(after).collect()
+    }
+
     #[test]
     fn bio() {
-        let names: Vec<String> = ["B-NP", "B-VP", "I-NP", "I-VP", "O"].map(String::from).into();
+        let names = names(&["B-NP", "B-VP", "I-NP", "I-VP", "O"]);
         assert_eq!(Transitions::suggest(&names), Order::Bio);
         let transitions = Transitions::new(Order::Bio, &names);
-        let after = |y| transitions.after(y).iter().map(|a| names[a.index()].as_str()).collect::<Vec<_>>();
-        assert_eq!(after(0), ["B-NP", "B-VP", "I-NP", "O"]);
-        assert_eq!(after(3), ["B-NP", "B-VP", "I-VP", "O"]);
-        assert_eq!(after(4), ["B-NP", "B-VP", "O"]);
-        assert_eq!(after(transitions.begin()), ["B-NP", "B-VP", "O"]);
+        let (np, vp, out) = ("B-NP B-VP I-NP O", "B-NP B-VP I-VP O", "B-NP B-VP O");
+        for left in [1, 2] {
+            assert_eq!(follow(&transitions, &names, left), [np, vp, np, vp, out, out]);
+        }
+        assert!(transitions.go_on());
         assert!(transitions.kin(0, 2) && !transitions.kin(0, 1));
     }
 
     #[test]
+    fn bilou() {
+        let names = names(&["B-A", "B-B", "I-A", "L-A", "O", "U-B"]);
+        assert_eq!(Transitions::suggest(&names), Order::Bilou);
+        let transitions = Transitions::new(Order::Bilou, &names);
+        // No L-B was seen: a B-B could never be finished.
+        let (out, inside) = ("B-A O U-B", "I-A L-A");
+        assert_eq!(follow(&transitions, &names, 2), [inside, out, inside, out, out, out, out]);
+        let (out, inside) = ("O U-B", "L-A");
+        assert_eq!(follow(&transitions, &names, 1), [inside, out, inside, out, out, out, out]);
+        assert!(transitions.go_on());
+    }
+
+    /// The same with other letters; and where there is nothing for a single token outside, sentences could not be finished.
+    #[test]
+    fn iobes() {
+        let both = [names(&["B-A", "E-A", "I-A", "O", "S-A"]), names(&["B-A", "L-A", "I-A", "O", "U-A"])];
+        let found = both.each_ref().map(|names| {
+            assert_eq!(Transitions::suggest(names), Order::Bilou);
+            let transitions = Transitions::new(Order::Bilou, names);
+            [1, 2].map(|left| follow(&transitions, names, left).join("/").replace('E', "L").replace('S', "U"))
+        });
+        assert_eq!(found[0], found[1]);
+        assert!(!Transitions::new(Order::Bilou, &names(&["B-A", "L-A"])).go_on());
+    }
+
+    #[test]
     fn other_names_are_free() {
-        let names: Vec<String> = ["DET", "NOUN"].map(String::from).into();
-        assert_eq!(Transitions::suggest(&names), Order::Free);
-        assert_eq!(Transitions::new(Order::Free, &names).after(0).len(), 2);
+        for other in [&["DET", "NOUN"][..], &["B-A", "O"], &["O"], &["B-A", "I-A", "X-A"], &["BI-A", "U-A"]] {
+            assert_eq!(Transitions::suggest(&names(other)), Order::Free, "{other:?}");
+        }
+        assert_eq!(Transitions::new(Order::Free, &names(&["DET", "NOUN"])).after(0, 1).len(), 2);
     }
 }
