@@ -71,7 +71,7 @@ struct Row {
 #[derive(Serialize)]
 struct Measured {
     reading: Option<policy::Reading>,
-    /// Wrong words per sentence.
+    /// Wrong words per sentence, cost per trip, and the like.
     loss: f64,
     /// In percent, by name.
     #[serde(flatten)]
@@ -146,7 +146,7 @@ impl Compare {
             None => {
                 let kept = train.sentences() - train.sentences() / 5;
                 if kept == train.sentences() {
-                    let few = format!("too few sentences to set some aside: {}", train.sentences());
+                    let few = format!("too few {} to set some aside: {}", T::UNITS.episodes, train.sentences());
                     return Err(Error::file(path, few, "give at least 5, or a --test file"));
                 }
                 train.split_off(kept)
@@ -206,11 +206,11 @@ impl<T: Verbs> Bench<'_, T> {
         let (test, encoding) = (&self.data.test, &self.encoding);
         let actions =
             T::perform(&policy, encoding.apply(test)?, test.sentences(), 0, seed.child(Purpose::Evaluation, 0));
-        let score = encoding.score(test, &actions)?;
+        let score = encoding.judge(&policy, test, &actions)?;
         let measures = score.measures();
         Ok(Measured {
             reading,
-            loss: score.wrong() as f64 / test.sentences() as f64,
+            loss: score.loss() / test.sentences() as f64,
             percent: measures.iter().map(|measure| (measure.key, measure.percent)).collect(),
             measures,
         })
@@ -218,7 +218,8 @@ impl<T: Verbs> Bench<'_, T> {
 
     fn text(&self, rows: &[Row], learner: &AnyLearner) -> String {
         let (train, test) = (&self.data.train, &self.data.test);
-        let mut headings = vec!["", "reading", "wrong/sentence"];
+        let loss = format!("{}/{}", T::UNITS.loss, T::UNITS.episode);
+        let mut headings = vec!["", "reading", &loss];
         // What means nothing for one row means nothing for all: the labels are the same.
         let told = |measured: &Measured| measured.measures.iter().filter(|m| m.percent.is_some()).copied().collect();
         let measures: Vec<Measure> = rows.iter().flat_map(|row| &row.readings).map(told).next().unwrap_or_default();
@@ -246,8 +247,9 @@ impl<T: Verbs> Bench<'_, T> {
             format!("No labelling of these sentences is expected to exceed {best:.2} %.\n")
         });
         format!(
-            "{} sentences to learn from, {} to measure on; learner {}\n\n{results}{best}\n{}",
+            "{} {} to learn from, {} to measure on; learner {}\n\n{results}{best}\n{}",
             grouped(train.sentences() as f64),
+            T::UNITS.episodes,
             grouped(test.sentences() as f64),
             super::train::to_json(learner),
             bill(rows),

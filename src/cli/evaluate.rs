@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Compare a model's answers with the right ones: token accuracy and, where labels are spans, conlleval's measures per type; for trees
-/// UAS and LAS, for handwriting letters and words.
+/// UAS and LAS, for handwriting letters and words, for graphs their nodes, for maps the path cost ratio, for tabular problems the exact expected cost.
 #[derive(Args)]
 pub struct Evaluate {
     /// The model file
@@ -51,7 +51,7 @@ impl Evaluate {
         }
         let space = model.encoding.apply(&data)?;
         let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
-        let score = model.encoding.score(&data, &actions)?;
+        let score = model.encoding.judge(&model.policy, &data, &actions)?;
         let sure = model.sure(&data, &actions, 0, Seed::new(global.seed))?;
         let right = model.encoding.right(&data, &actions)?;
         let error = sure.map(|sure| calibration_error(sure.into_iter().zip(right)));

@@ -5,6 +5,7 @@ use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
 use crate::read::template::Template;
+use crate::tasks::graph::Visit;
 use crate::tasks::tagging::{self, LabelColumn, Order};
 use crate::tasks::{AnyLearner, Data, Task};
 use clap::{Args, ValueEnum};
@@ -67,6 +68,32 @@ pub struct Reading {
     /// How often it goes over a word, 1 to 8 [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     pub times: Option<u8>,
+    /// The order in which the nodes of a graph are labelled [default: bfs]
+    #[arg(long, value_enum, value_name = "ORDER")]
+    pub visit: Option<VisitName>,
+    /// What a step to terrain a, b, ... costs, which only the expert of navigation knows [default: 1,2,4,8,16]
+    #[arg(long, value_delimiter = ',', value_name = "COSTS", allow_negative_numbers = true)]
+    pub costs: Option<Vec<f64>>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum VisitName {
+    /// As they stand in the file
+    File,
+    /// The first in the file, then those reached from it, the nearest first
+    Bfs,
+    /// Those with the most edges first
+    Degree,
+}
+
+impl From<VisitName> for Visit {
+    fn from(name: VisitName) -> Self {
+        match name {
+            VisitName::File => Visit::File,
+            VisitName::Bfs => Visit::Bfs,
+            VisitName::Degree => Visit::Degree,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -171,6 +198,8 @@ impl Reading {
             ("--history", "ocr", self.history.is_some()),
             ("--rest", "ocr", self.rest),
             ("--times", "ocr", self.times.is_some()),
+            ("--visit", "graph", self.visit.is_some()),
+            ("--costs", "navigation", self.costs.is_some()),
         ];
         match options.iter().find(|(_, of, given)| *given && of.split(' ').all(|of| of != task)) {
             Some((name, ..)) => Err(no_such_setting(name, task)),

@@ -12,11 +12,12 @@ use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Tag, parse or read standard input. A tagger prints every line again with the label as a further last column; blank lines are kept.
+/// Tag, parse, read or go through standard input. A tagger prints every line again with the label as a further last column; blank lines are kept.
 ///
 /// Its input has one token a line, a blank line after each sentence, and the columns that the model was trained on. The column of labels
 /// may be there or not. So does a segmenter, whose labels are those of IOB2. A parser reads CoNLL-U and prints it again with HEAD and DEPREL filled in; all else is kept. A reader of
-/// handwriting prints every line again with the letter as a further last column; where the letter is not known, the input has `_`.
+/// handwriting prints every line again with the letter as a further last column; where the letter is not known, the input has `_`. So does a labeller of graphs with the lines of nodes. A traveller writes the
+/// path behind each trip, a letter a step; a walker of a tabular problem one line an episode, `state:action` for each step.
 #[derive(Args)]
 pub struct Tag {
     /// The model file

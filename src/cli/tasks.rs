@@ -4,7 +4,7 @@ use super::compare::Both;
 use super::options::{Mending, Reading, SystemName, no_such_setting, read};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::tasks::{Task, ocr, parsing, segmenting, tagging, task_of};
+use crate::tasks::{Task, graph, navigation, ocr, parsing, segmenting, tabular, tagging, task_of};
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -20,6 +20,12 @@ pub enum TaskName {
     Parsing,
     /// Handwritten words, letter by letter
     Ocr,
+    /// Labels for the nodes of graphs
+    Graph,
+    /// Ways on maps, from what can be seen around
+    Navigation,
+    /// A small problem whose costs are known exactly, as for `rollin theory`
+    Tabular,
 }
 
 /// Runs `$body` with `$T` standing for the task of this name.
@@ -40,6 +46,18 @@ macro_rules! with_task {
             }
             $crate::cli::tasks::TaskName::Ocr => {
                 type $T = $crate::tasks::ocr::Sightings;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Graph => {
+                type $T = $crate::tasks::graph::Encoding;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Navigation => {
+                type $T = $crate::tasks::navigation::Guide;
+                $body
+            }
+            $crate::cli::tasks::TaskName::Tabular => {
+                type $T = $crate::tasks::tabular::Chart;
                 $body
             }
         }
@@ -71,7 +89,10 @@ pub trait Verbs: Task {
     fn settings(options: &Reading, data: &Self::Data) -> Result<Self::Settings>;
 
     /// Looks for the right labels in this column.
-    fn set_column(&mut self, column: usize) -> Result<()>;
+    fn set_column(&mut self, column: usize) -> Result<()> {
+        let _ = column;
+        Err(no_such_setting("--label-column", Self::NAME))
+    }
 
     /// Meets labels that break their rule; there is such a thing in tagging only.
     fn mend(data: &mut Self::Data, how: Mending) -> Result<()> {
@@ -85,7 +106,9 @@ pub trait Verbs: Task {
     }
 
     /// What to compare on where no data are given.
-    fn embedded() -> Option<Result<Both<Self::Data>>>;
+    fn embedded() -> Option<Result<Both<Self::Data>>> {
+        None
+    }
 }
 
 impl Verbs for tagging::Encoding {
@@ -127,10 +150,6 @@ impl Verbs for segmenting::Spans {
         self.set_label_column(column);
         Ok(())
     }
-
-    fn embedded() -> Option<Result<Both<Corpus>>> {
-        None
-    }
 }
 
 /// The longest span where nothing else is asked for: one in a thousand of CoNLL-2000's is longer.
@@ -146,14 +165,6 @@ impl Verbs for parsing::Encoding {
         });
         Ok(parsing::Settings { system, cutoff: options.cutoff.unwrap_or(default.cutoff) })
     }
-
-    fn set_column(&mut self, _: usize) -> Result<()> {
-        Err(no_such_setting("--label-column", Self::NAME))
-    }
-
-    fn embedded() -> Option<Result<Both<Self::Data>>> {
-        None
-    }
 }
 
 impl Verbs for ocr::Sightings {
@@ -167,12 +178,22 @@ impl Verbs for ocr::Sightings {
         };
         see.validate().map(|()| see)
     }
+}
 
-    fn set_column(&mut self, _: usize) -> Result<()> {
-        Err(no_such_setting("--label-column", Self::NAME))
+impl Verbs for graph::Encoding {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<graph::Visit> {
+        Ok(options.visit.map_or(graph::Visit::default(), graph::Visit::from))
     }
+}
 
-    fn embedded() -> Option<Result<Both<Self::Data>>> {
-        None
+impl Verbs for navigation::Guide {
+    fn settings(options: &Reading, _: &Self::Data) -> Result<Vec<f64>> {
+        Ok(options.costs.clone().unwrap_or_else(|| navigation::Maps::default().costs))
+    }
+}
+
+impl Verbs for tabular::Chart {
+    fn settings(_: &Reading, _: &Self::Data) -> Result<()> {
+        Ok(())
     }
 }

@@ -15,7 +15,7 @@ use clap::Args;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Train a tagger, a segmenter, a parser or a reader of handwriting and write its model file.
+/// Train a tagger, a segmenter, a parser, a reader of handwriting, a labeller of graphs, a traveller or a walker and write its model file.
 #[derive(Args)]
 #[command(after_help = RECIPES)]
 pub struct Train {
@@ -23,7 +23,9 @@ pub struct Train {
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     task: TaskName,
     /// What to learn from: one token a line, columns between spaces or tabs, a blank line after each sentence; for parsing CoNLL-U, for
-    /// ocr a line a letter, with columns word_id, position, fold, letter and bits between tabs (- for standard input)
+    /// ocr a line a letter, with columns word_id, position, fold, letter and bits between tabs; for graph a line a node (name, label, features) or an
+    /// edge (a -- b or a -> b); for navigation maps of letters a to z and # with trips such as 1,1 -> 5,3 below; for tabular an instance as
+    /// for `rollin theory` (- for standard input)
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
     /// The model file to write
@@ -106,11 +108,13 @@ impl Train {
             facts.into_iter().for_each(|fact| report[fact.name] = fact.value);
             return print_json(&report);
         }
-        let table = rounds(&trained.rounds);
+        let table = rounds(&trained.rounds, T::UNITS.episode);
         print(&format!(
-            "{} sentences, {} tokens{}\n\n{table}\nwrote {}\n",
+            "{} {}, {} {}{}\n\n{table}\nwrote {}\n",
             grouped(corpus.sentences() as f64),
+            T::UNITS.episodes,
             grouped(corpus.tokens() as f64),
+            T::UNITS.steps,
             short(&facts),
             self.model.display(),
         ))
@@ -128,7 +132,7 @@ impl Train {
             return Err(no_such_setting("--calibrate", T::NAME));
         }
         if all < 10 {
-            let few = format!("too few sentences to set a tenth aside: {all}");
+            let few = format!("too few {} to set a tenth aside: {all}", T::UNITS.episodes);
             return Err(Error::file(corpus.path(), few, "give at least 10, or leave --calibrate out"));
         }
         Ok(all - all / 10..all)
@@ -136,9 +140,10 @@ impl Train {
 }
 
 /// How training went, round by round; regrets where there are any.
-fn rounds(rounds: &[Progress]) -> Table {
+fn rounds(rounds: &[Progress], episode: &str) -> Table {
     let regrets = rounds.iter().any(|round| round.regret.is_some());
-    let mut headings = vec!["round", "cost per sentence"];
+    let cost = format!("cost per {episode}");
+    let mut headings = vec!["round", &cost];
     headings.extend(regrets.then_some(["regret to the expert", "to deviations"]).into_iter().flatten());
     headings.extend(["labels", "expert acts", "roll-out acts", "seconds"]);
     let mut table = Table::new(headings);

@@ -3,7 +3,7 @@
 use super::{Classifier, Policy};
 use crate::error::Error;
 use crate::seed::Purpose;
-use crate::space::{Action, Problem, ViewOf};
+use crate::space::{Action, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;
 use serde::{Deserialize, Serialize};
 
@@ -180,6 +180,37 @@ impl<C> Mixture<C> {
             Member::Classifier(i) => self.members[i].1.choose(&visit.sight(), &mut memory.members[i]),
         }
     }
+
+    /// What all members together say, where they are not drawn from: by their votes, or by their mean score.
+    pub(crate) fn decide<V: View>(&self, sight: &Sight<'_, V>, memory: &mut MixtureMemory<C::Memory>) -> Action
+    where
+        C: Classifier<V>,
+    {
+        memory.members.resize_with(self.members.len(), Default::default);
+        memory.sums.clear();
+        match self.reading {
+            Reading::Sampled | Reading::Vote => {
+                for ((weight, classifier), scratch) in self.members.iter().zip(&mut memory.members) {
+                    let choice = classifier.choose(sight, scratch).index();
+                    memory.sums.resize(memory.sums.len().max(choice + 1), 0.0);
+                    memory.sums[choice] += *weight as f32;
+                }
+                let most = sight.legal.iter().last().map_or(0, |action| action.index() + 1);
+                memory.sums.resize(memory.sums.len().max(most), 0.0);
+                sight.legal.best(&memory.sums)
+            }
+            Reading::Mean => {
+                for ((weight, classifier), scratch) in self.members.iter().zip(&mut memory.members) {
+                    let scores = classifier.scores(sight, scratch);
+                    memory.sums.resize(scores.len(), 0.0);
+                    for (sum, score) in memory.sums.iter_mut().zip(scores) {
+                        *sum += *weight as f32 * score;
+                    }
+                }
+                sight.legal.best(&memory.sums)
+            }
+        }
+    }
 }
 
 /// A thread's scratch for a mixture.
@@ -197,7 +228,6 @@ impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
     }
 
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
-        memory.members.resize_with(self.members.len(), Default::default);
         match self.reading {
             Reading::Sampled => {
                 let unit = if self.members.len() == 1 && self.expert == 0.0 {
@@ -207,30 +237,7 @@ impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
                 };
                 self.act_as(self.draw(unit), visit, memory)
             }
-            Reading::Vote => {
-                let sight = visit.sight();
-                memory.sums.clear();
-                for ((weight, classifier), scratch) in self.members.iter().zip(&mut memory.members) {
-                    let choice = classifier.choose(&sight, scratch).index();
-                    memory.sums.resize(memory.sums.len().max(choice + 1), 0.0);
-                    memory.sums[choice] += *weight as f32;
-                }
-                let most = sight.legal.iter().last().map_or(0, |action| action.index() + 1);
-                memory.sums.resize(memory.sums.len().max(most), 0.0);
-                sight.legal.best(&memory.sums)
-            }
-            Reading::Mean => {
-                let sight = visit.sight();
-                memory.sums.clear();
-                for ((weight, classifier), scratch) in self.members.iter().zip(&mut memory.members) {
-                    let scores = classifier.scores(&sight, scratch);
-                    memory.sums.resize(scores.len(), 0.0);
-                    for (sum, score) in memory.sums.iter_mut().zip(scores) {
-                        *sum += *weight as f32 * score;
-                    }
-                }
-                sight.legal.best(&memory.sums)
-            }
+            Reading::Vote | Reading::Mean => self.decide(&visit.sight(), memory),
         }
     }
 }

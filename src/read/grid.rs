@@ -13,7 +13,8 @@
 //!
 //! One steps up, right, down and left, so what can be reached from one cell is what it can be reached from.
 
-use crate::error::{Error, Place, Result};
+use super::conll::Source;
+use crate::error::{Error, Result};
 use nom::bytes::complete::{tag, take_while1};
 use nom::character::complete::{digit1, space0};
 use nom::combinator::{all_consuming, map_res};
@@ -95,22 +96,31 @@ pub fn parse(text: &str, path: impl AsRef<Path>, terrains: usize) -> Result<Vec<
     if !(1..=MOST_TERRAINS).contains(&terrains) {
         return Err(Error::argument("terrains", terrains, "from 1 to 26"));
     }
-    let mut reader = Reader { text, path: path.as_ref(), terrains, grids: Vec::new(), open: None };
-    for line in text.split_inclusive('\n') {
-        reader.line(line.trim_end_matches(['\n', '\r']))?;
-    }
-    reader.open = None;
+    let source = Source { text: text.as_bytes(), path: path.as_ref(), first_line: 1 };
+    let reader = Reader::read(text, &source, terrains)?;
     if reader.grids.is_empty() {
         return Err(reader.refuse(&text[text.len()..], "the text ends without a map", reader.row()));
     }
     Ok(reader.grids)
 }
 
+/// The maps in `text`, of `path`, whose first line has the number `first_line` there, with all classes of terrain; and the line on which each begins.
+///
+/// # Errors
+/// As [`parse`], and when `text` is not UTF-8 or has a NUL in it. That there is no map is none.
+pub fn parse_block(text: &[u8], path: &Path, first_line: usize) -> Result<(Vec<Grid>, Vec<usize>)> {
+    let source = Source { text, path, first_line };
+    let reader = Reader::read(source.characters()?, &source, MOST_TERRAINS)?;
+    Ok((reader.grids, reader.lines))
+}
+
 struct Reader<'a> {
     text: &'a str,
-    path: &'a Path,
+    source: &'a Source<'a>,
     terrains: usize,
     grids: Vec<Grid>,
+    /// The line on which each begins.
+    lines: Vec<usize>,
     /// The regions of the last map, once it has trips; none of them when a blank line ended it.
     open: Option<Vec<usize>>,
 }
@@ -134,9 +144,21 @@ fn trip(i: &str) -> IResult<&str, [Written<'_>; 2]> {
 const TRIP: &str = "a trip such as `1,1 -> 5,3`: column and row of start and goal";
 
 impl<'a> Reader<'a> {
+    fn read(text: &'a str, source: &'a Source<'a>, terrains: usize) -> Result<Self> {
+        let mut reader = Reader { text, source, terrains, grids: Vec::new(), lines: Vec::new(), open: None };
+        for (line, number) in text.split_inclusive('\n').zip(source.first_line..) {
+            reader.line(line.trim_end_matches(['\n', '\r']))?;
+            if reader.lines.len() < reader.grids.len() {
+                reader.lines.push(number);
+            }
+        }
+        reader.open = None;
+        Ok(reader)
+    }
+
     fn refuse(&self, at: &str, problem: impl Into<String>, expected: impl Into<String>) -> Error {
         let offset = at.as_ptr() as usize - self.text.as_ptr() as usize;
-        Error::data(Place::of(self.path, self.text.as_bytes(), offset), problem, expected)
+        Error::data(self.source.place(offset), problem, expected)
     }
 
     fn row(&self) -> String {

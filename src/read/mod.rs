@@ -5,6 +5,7 @@ pub mod conll;
 pub mod conllu;
 pub mod crfsuite;
 pub mod grammar;
+pub mod graph;
 pub mod grid;
 pub mod letters;
 pub mod template;

@@ -53,6 +53,9 @@ pub trait Task: Sized + Send + Sync {
     /// What is kept of the blocks of a stream to see that the next one goes with them.
     type Stream: Default;
 
+    /// What its corpora are made of.
+    const UNITS: Units = Units { episode: "sentence", episodes: "sentences", steps: "tokens", loss: "wrong" };
+
     /// The corpus that is `text`, which comes from `path`.
     ///
     /// # Errors
@@ -138,6 +141,16 @@ pub trait Task: Sized + Send + Sync {
     /// As [`Task::check`].
     fn score(&self, data: &Self::Data, actions: &[Action]) -> Result<Self::Score>;
 
+    /// What `policy` is worth, who took these `actions` in all episodes of `data`. By default that is their [`Task::score`]; where exact values can be
+    /// computed from the policy itself, they are told, too.
+    ///
+    /// # Errors
+    /// As [`Task::check`].
+    fn judge(&self, policy: &Learned, data: &Self::Data, actions: &[Action]) -> Result<Self::Score> {
+        let _ = policy;
+        self.score(data, actions)
+    }
+
     /// How many features there are.
     fn features(&self) -> usize;
 
@@ -173,6 +186,19 @@ pub type ProblemOf<T> = Imitation<<T as Task>::Space, <T as Task>::Expert>;
 /// What trains one policy.
 pub type Training<'a, T> = dyn Fn(&ProblemOf<T>, &Run<'_>) -> Result<Trained<Learned>> + 'a;
 
+/// The words for what a task's corpora are made of, in reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Units {
+    /// An episode.
+    pub episode: &'static str,
+    /// Several of them.
+    pub episodes: &'static str,
+    /// What [`Data::tokens`] counts.
+    pub steps: &'static str,
+    /// What [`Score::loss`] sums up.
+    pub loss: &'static str,
+}
+
 /// Something to know of a task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
@@ -184,7 +210,7 @@ pub struct Fact {
     pub value: serde_json::Value,
 }
 
-/// A corpus as all tasks know it: sentences of words.
+/// A corpus as all tasks know it: sentences of words, or whatever the task has in their place ([`Units`]).
 pub trait Data {
     /// Where it comes from.
     fn path(&self) -> &Path;
@@ -202,8 +228,8 @@ pub trait Data {
 pub trait Score: Serialize {
     /// For a person.
     fn text(&self) -> String;
-    /// How many words are wrong.
-    fn wrong(&self) -> u64;
+    /// What is lost in all sentences: how many words are wrong, what all paths cost.
+    fn loss(&self) -> f64;
     /// What the field measures, in percent, the most important one last.
     fn measures(&self) -> Vec<Measure>;
 }

@@ -7,6 +7,7 @@ mod large;
 mod ocr;
 mod refusals;
 mod spans;
+mod tasks;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -189,7 +189,7 @@ fn scores_by_hand() {
         score.add(upos, head, label);
     }
     let percents: Vec<f64> = score.measures().into_iter().filter_map(|m| m.percent).map(f64::round).collect();
-    assert_eq!((percents, score.wrong()), (vec![50.0, 25.0, 67.0, 33.0], 3));
+    assert_eq!((percents, score.loss()), (vec![50.0, 25.0, 67.0, 33.0], 3.0));
     assert_eq!(
         score.text(),
         "all: 4 words; UAS:  50.00%; LAS:  25.00%\nwithout punctuation: 3 words; UAS:  66.67%; LAS:  33.33%\n"

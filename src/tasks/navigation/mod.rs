@@ -5,6 +5,11 @@
 //! which a planner does as the expert does, and its [`Planner`] goes by them on maps that it has never seen; the same space
 //! [seen as](Navigation::seen_as) [`Features`](crate::space::Features) is open to every other learner.
 //!
+//! # As a task of the program
+//! Maps are read as [`crate::read::grid`] does and seen as features by a [`Guide`]; what terrain costs, which only the expert knows, is a setting. Maximum margin
+//! planning is not among the program's learners: its classifier sees the whole [`World`] and plans in it, while everything that models keep, from
+//! learners over mixtures and beams to model files, is made for classifiers that see [`Features`]. In the library every trainer runs with it.
+//!
 //! ```
 //! use petgraph::graph::{DiGraph, NodeIndex};
 //! use rollin::space::{Expert, Space, Action, Episode};
@@ -30,6 +35,7 @@ mod margin;
 mod network;
 mod plan;
 mod space;
+mod task;
 mod world;
 
 pub use maps::Maps;
@@ -38,4 +44,5 @@ pub(crate) use network::check_features;
 pub use network::{Network, Road, Site};
 pub use plan::Plan;
 pub use space::{At, Cheapest, Eyes, Navigation, Place};
+pub use task::{Atlas, Guide, Header, Journeys, Traveller};
 pub use world::{Legend, Trip, World};

@@ -197,8 +197,8 @@ impl Score for Accuracy {
         )
     }
 
-    fn wrong(&self) -> u64 {
-        self.letters - self.right_letters
+    fn loss(&self) -> f64 {
+        (self.letters - self.right_letters) as f64
     }
 
     fn measures(&self) -> Vec<Measure> {

@@ -70,8 +70,8 @@ impl Score for Attachment {
         line("all", &self.all) + &line("without punctuation", &self.content)
     }
 
-    fn wrong(&self) -> u64 {
-        self.all.words - self.all.labelled
+    fn loss(&self) -> f64 {
+        (self.all.words - self.all.labelled) as f64
     }
 
     fn measures(&self) -> Vec<Measure> {

@@ -313,8 +313,8 @@ impl crate::tasks::Score for Score {
         format!("processed {} tokens\naccuracy: {:6.2}%\n", self.tokens(), 100.0 * self.accuracy())
     }
 
-    fn wrong(&self) -> u64 {
-        self.tokens() - self.right()
+    fn loss(&self) -> f64 {
+        (self.tokens() - self.right()) as f64
     }
 
     fn measures(&self) -> Vec<Measure> {

@@ -1,9 +1,17 @@
 //! A tabular problem as a task: what theory evaluates exactly, every trainer can also run on by sampling.
+//!
+//! A [`Chart`] reads the instances of `rollin theory` ([`crate::theory::instance`]); a policy that is trained on one is worth an exact expected cost.
+
+mod task;
+
+pub use task::{Chart, EPISODES, Header, Runs, Value, Walker};
 
 use crate::error::{Error, Result};
-use crate::policy::Linear;
+use crate::policy::Classifier;
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Actions, CostToGo, Episode, Expert, FeatureTable, Features, Imitation, NO_ROW, Space};
+use crate::space::{
+    Action, Actions, CostToGo, Episode, Expert, FeatureTable, Features, Imitation, NO_ROW, Sight, Space,
+};
 use crate::theory::{Mdp, Table, evaluate};
 use ndarray::{Array3, ArrayView1, Axis};
 
@@ -13,6 +21,8 @@ pub struct Tabular {
     mdp: Mdp,
     view: Vec<u32>,
     table: FeatureTable,
+    /// Where chance is drawn beforehand, what all draws hang below, and the number of the first episode there.
+    drawn: Option<(Seed, usize)>,
     /// The expert's own `action_value[t,s,a]`.
     expert: Array3<f64>,
 }
@@ -24,6 +34,8 @@ pub struct At {
     pub t: usize,
     /// The state.
     pub s: usize,
+    /// What this episode's draws hang below, where they are drawn beforehand.
+    draws: Option<Seed>,
 }
 
 /// The expert of a tabular problem.
@@ -41,12 +53,19 @@ impl Tabular {
         }
         let expert = evaluate(&mdp, &mdp.star())?.action_value;
         let table = FeatureTable::new(view.iter().max().map_or(0, |most| most + 1));
-        Ok(Tabular { mdp, view: view.iter().map(|seen| *seen as u32).collect(), table, expert })
+        let view = view.iter().map(|seen| *seen as u32).collect();
+        Ok(Tabular { mdp, view, table, drawn: None, expert })
     }
 
     /// The problem of imitating its expert on `episodes` episodes a round.
     pub fn problem(self, episodes: usize) -> Imitation<Tabular, Tabled> {
         Imitation { space: self, expert: Tabled, episodes }
+    }
+
+    /// The same problem with all that chance decides drawn beforehand, whoever runs it: its episodes have the numbers from `first` on in a series below `seed`.
+    /// So what happened is known again from what was done.
+    pub fn drawn(self, seed: Seed, first: usize) -> Self {
+        Tabular { drawn: Some((seed, first)), ..self }
     }
 
     /// The tabular problem.
@@ -55,15 +74,25 @@ impl Tabular {
     }
 
     /// What `classifier` does in each state, as a table.
-    pub fn table_of(&self, classifier: &Linear) -> Table {
-        let actions = self.mdp.actions();
-        let choice: Vec<usize> = (self.view.iter())
-            .map(|seen| {
-                let scores = classifier.weights.row(*seen).map_or(vec![0.0; actions], |row| row[..actions].to_vec());
-                Actions::All(actions as u32).best(&scores).index()
-            })
-            .collect();
-        Table::sure(&choice, actions)
+    pub fn table_of<C: Classifier<Features>>(&self, classifier: &C) -> Table {
+        let mut memory = C::Memory::default();
+        self.tabulate(|sight| classifier.choose(sight, &mut memory))
+    }
+
+    /// What `choose` does in each state, as a table.
+    fn tabulate(&self, mut choose: impl FnMut(&Sight<'_, Features>) -> Action) -> Table {
+        let (actions, mut view) = (self.mdp.actions(), Features::default());
+        let mut choice = |s: usize| {
+            self.see(s, &mut view);
+            choose(&Sight { shared: &self.table, view: &view, legal: Actions::All(actions as u32) }).index()
+        };
+        Table::sure(&(0..self.view.len()).map(&mut choice).collect::<Vec<_>>(), actions)
+    }
+
+    fn see(&self, s: usize, view: &mut Features) {
+        view.row = NO_ROW;
+        view.dynamic.clear();
+        view.dynamic.push(self.view[s]);
     }
 }
 
@@ -86,7 +115,9 @@ impl Space for Tabular {
     type View = Features;
 
     fn start(&self, episode: Episode) -> At {
-        At { t: 0, s: draw(self.mdp.start().view(), episode.seed.child(Purpose::Episode, 0).unit()) }
+        let draws = self.drawn.map(|(seed, first)| seed.child(Purpose::Episode, (first + episode.index) as u64));
+        let unit = draws.unwrap_or(episode.seed).child(Purpose::Episode, 0).unit();
+        At { t: 0, s: draw(self.mdp.start().view(), unit), draws }
     }
 
     fn legal<'a>(&'a self, state: &'a At) -> Actions<'a> {
@@ -94,15 +125,14 @@ impl Space for Tabular {
     }
 
     fn look(&self, state: &At, view: &mut Features) {
-        view.row = NO_ROW;
-        view.dynamic.clear();
-        view.dynamic.push(self.view[state.s]);
+        self.see(state.s, view);
     }
 
     fn step(&self, state: &mut At, action: Action, seed: Seed) -> f64 {
         let (s, a) = (state.s, action.index());
         let next = self.mdp.next().index_axis(Axis(0), s).index_axis_move(Axis(0), a);
-        *state = At { t: state.t + 1, s: draw(next, seed.child(Purpose::Step, 0).unit()) };
+        let seed = state.draws.map_or(seed, |draws| draws.child(Purpose::Step, state.t as u64));
+        *state = At { t: state.t + 1, s: draw(next, seed.child(Purpose::Step, 0).unit()), ..*state };
         self.mdp.cost()[[s, a]]
     }
 

@@ -1,7 +1,8 @@
 //! Labelling the nodes of graphs, one after the other, in an order that the user chooses.
 //!
 //! A node's view shows its own features and its neighbours', which never change, and the labels of those neighbours that are labelled
-//! already. Graphs are handed in as petgraph's; in directed ones, neighbours by edges that come and by edges that go are told apart.
+//! already. Graphs are handed in as petgraph's, or read from text ([`crate::read::graph`]) and labelled by a [`Labeller`]; in directed ones, neighbours by
+//! edges that come and by edges that go are told apart.
 //!
 //! ```
 //! use petgraph::graph::UnGraph;
@@ -21,6 +22,10 @@
 //! assert_eq!(perform(&problem, &trained.policy, rollin::Seed::new(2)).0.costs, [0.0]);
 //! # Ok::<(), rollin::Error>(())
 //! ```
+
+mod task;
+
+pub use task::{Encoding, Labeller, Score, Visit};
 
 use crate::error::{Error, Result};
 use crate::seed::Seed;
