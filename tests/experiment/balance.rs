@@ -36,7 +36,7 @@ impl Space for Plank {
 
     fn start(&self, episode: Episode) -> Stand {
         // The second grade sways more.
-        Stand { place: 0, steps: 0, sway: if episode.index % 2 == 0 { 0.4 } else { 0.5 } }
+        Stand { place: 0, steps: 0, sway: if episode.index.is_multiple_of(2) { 0.4 } else { 0.5 } }
     }
 
     fn legal<'a>(&'a self, state: &'a Stand) -> Actions<'a> {

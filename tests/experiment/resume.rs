@@ -84,7 +84,7 @@ fn model_files_come_back_and_others_are_refused() {
         assert_eq!((&about, back.to_bytes::<Features>("balance", &about)), (name, bytes.clone()));
         let refused = |bytes: &[u8], task, actions| {
             let read = Driver::<NetOf<Balance>>::from_bytes::<Features>(bytes, path, (task, &table, actions));
-            read.err().expect("it is refused").to_string()
+            read.expect_err("it is refused").to_string()
         };
         assert!(refused(&bytes, "kart", 4).contains("a model for balance; a kart model is needed"));
         assert!(refused(&bytes, "balance", 5).contains("another game"));
