@@ -138,6 +138,12 @@ pub trait Task: Sized + Send + Sync {
     /// As [`Task::check`].
     fn score(&self, data: &Self::Data, actions: &[Action]) -> Result<Self::Score>;
 
+    /// Tells for each word of `data` the right answer and the one that `actions`, those of all episodes, give: labels, relations, letters.
+    ///
+    /// # Errors
+    /// As [`Task::check`].
+    fn answers(&self, data: &Self::Data, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()>;
+
     /// How many features there are.
     fn features(&self) -> usize;
 
