@@ -45,7 +45,7 @@
 //! | [`corpus`], [`read`], [`grammar`], [`score`] | corpora, readers, writers and templates, grammars with exact answers, measures |
 //! | [`tasks`] | sequence tagging, segmentation, dependency parsing, graph labelling, navigation, a platform game, a kart, tabular problems; what a task is to the program, and model files |
 //! | [`experiment`] | the paper's two experiments, on games, and replays of them |
-//! | [`report`], `cli` | tables; the program |
+//! | [`report`], `cli` | tables, figures, pages; the program |
 //! | [`guide`] | chapters: [what the theorems say](guide::theorems), [what a token costs](guide::speed) |
 
 #[cfg(feature = "cli")]

@@ -3,6 +3,7 @@
 use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
 use super::options::{LearnerOptions, Reading, read_corpus};
 use super::progress::Bar;
+use super::report::{ReportOptions, Sources, mixture};
 use super::tasks::{TaskName, Verbs, with_task};
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
@@ -10,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::grammar::{Grammar, defaults};
 use crate::policy;
 use crate::read::conll;
-use crate::report::{Table, grouped};
+use crate::report::{Axis, Dot, Figure, Page, Plot, Series, Table, grouped};
 use crate::seed::{Purpose, Seed};
 use crate::space::Imitation;
 use crate::tasks::{AnyLearner, Data, Learned, Measure, Score, Trainer};
@@ -53,6 +54,8 @@ pub struct Compare {
     trainer: TrainerOptions,
     #[command(flatten)]
     learner: LearnerOptions,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 /// One algorithm's results.
@@ -63,6 +66,9 @@ struct Row {
     readings: Vec<Measured>,
     ledger: Ledger,
     expected: Expected,
+    /// The mixture's weights after each round, the expert's first, where the rate was known beforehand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    weights: Option<Vec<Vec<f64>>>,
     rounds: usize,
     seconds: f64,
 }
@@ -97,6 +103,8 @@ impl Compare {
         self.columns.refuse_others(T::NAME)?;
         let learner = self.learner.learner()?;
         self.trainer.check(&self.algorithms)?;
+        let files = self.files();
+        self.report.check(&files.iter().map(|(_, path)| *path).collect::<Vec<_>>())?;
         let (data, settings) = self.read::<T>()?;
         let (encoding, problem) = T::learn(&data.train, settings)?;
         encoding.check(&data.test)?;
@@ -108,16 +116,26 @@ impl Compare {
             .map(|algorithm| bench.row(*algorithm, self.trainer.trainer(*algorithm), &learner, global))
             .collect::<Result<Vec<_>>>()?;
         if global.json {
-            return print_json(&serde_json::json!({
+            print_json(&serde_json::json!({
                 "train": {"path": data.train.path(), "sentences": data.train.sentences(), "tokens": data.train.tokens()},
                 "test": {"path": data.test.path(), "sentences": data.test.sentences(), "tokens": data.test.tokens()},
                 "learner": learner,
                 "seed": global.seed,
                 "best_accuracy": data.best,
                 "rows": rows,
-            }));
+            }))?;
+        } else {
+            print(&bench.text(&rows, &learner))?;
         }
-        print(&bench.text(&rows, &learner))
+        let texts = [("data", defaults::TRAIN), ("test", defaults::TEST)];
+        let texts = if files.is_empty() { &texts[..] } else { &[] };
+        self.report.write(|| bench.page(&rows, &learner), global, &Sources { files: &files, texts })
+    }
+
+    /// The files that are read, by what they are for.
+    fn files(&self) -> Vec<(&'static str, &Path)> {
+        let files = [("data", &self.data), ("test", &self.test), ("template", &self.columns.template)];
+        files.into_iter().filter_map(|(what, path)| Some((what, path.as_deref()?))).collect()
     }
 
     fn read<T: Verbs>(&self) -> Result<(Both<T::Data>, T::Settings)> {
@@ -194,6 +212,7 @@ impl<T: Verbs> Bench<'_, T> {
         Ok(Row {
             algorithm: algorithm.name(),
             expected: trainer.expected(&self.extent),
+            weights: trainer.weights(),
             trainer,
             readings,
             ledger: trained.ledger,
@@ -217,64 +236,136 @@ impl<T: Verbs> Bench<'_, T> {
     }
 
     fn text(&self, rows: &[Row], learner: &AnyLearner) -> String {
-        let (train, test) = (&self.data.train, &self.data.test);
-        let loss = format!("{}/{}", T::UNITS.loss, T::UNITS.episode);
-        let mut headings = vec!["", "reading", &loss];
-        // What means nothing for one row means nothing for all: the labels are the same.
-        let told = |measured: &Measured| measured.measures.iter().filter(|m| m.percent.is_some()).copied().collect();
-        let measures: Vec<Measure> = rows.iter().flat_map(|row| &row.readings).map(told).next().unwrap_or_default();
-        headings.extend(measures.iter().map(|measure| measure.name));
-        headings.extend(["expert queries", "resets", "rounds", "seconds"]);
-        let mut results = Table::new(headings);
-        for row in rows {
-            for measured in &row.readings {
-                let mut cells = vec![
-                    row.algorithm.clone(),
-                    measured.reading.map_or("-".into(), |r| super::train::to_json(&r).trim_matches('"').to_owned()),
-                    format!("{:.3}", measured.loss),
-                ];
-                cells.extend(measured.measures.iter().filter_map(|m| m.percent).map(|p| format!("{p:.2}")));
-                cells.extend([
-                    grouped(row.ledger.queries as f64),
-                    grouped(row.ledger.resets as f64),
-                    row.rounds.to_string(),
-                    format!("{:.2}", row.seconds),
-                ]);
-                results.row(cells);
-            }
-        }
-        let best = self.data.best.map_or(String::new(), |best| {
-            format!("No labelling of these sentences is expected to exceed {best:.2} %.\n")
-        });
         format!(
-            "{} {} to learn from, {} to measure on; learner {}\n\n{results}{best}\n{}",
-            grouped(train.sentences() as f64),
-            T::UNITS.episodes,
-            grouped(test.sentences() as f64),
-            super::train::to_json(learner),
-            bill(rows),
+            "{}\n\n{}{}\n{}",
+            self.lead(learner),
+            results::<T>(rows),
+            self.best().map_or(String::new(), |best| best + "\n"),
+            bill(rows)
         )
+    }
+
+    fn lead(&self, learner: &AnyLearner) -> String {
+        format!(
+            "{} {} to learn from, {} to measure on; learner {}",
+            grouped(self.data.train.sentences() as f64),
+            T::UNITS.episodes,
+            grouped(self.data.test.sentences() as f64),
+            super::train::to_json(learner),
+        )
+    }
+
+    fn best(&self) -> Option<String> {
+        Some(format!("No labelling of these sentences is expected to exceed {:.2} %.", self.data.best?))
+    }
+
+    /// What there is to be seen.
+    fn page(&self, rows: &[Row], learner: &AnyLearner) -> Page {
+        let words = self.data.test.tokens() as f64 / self.data.test.sentences() as f64;
+        let least = self.data.best.map(|best| (1.0 - best / 100.0) * words);
+        let mut figures = vec![loss::<T>(rows, least), ledgers(rows)];
+        let weights = rows.iter().filter_map(|row| Some((&row.algorithm, row.weights.as_ref()?)));
+        figures.extend(weights.map(|(name, weights)| mixture(&format!("weights-{name}"), name, weights)));
+        Page {
+            title: format!("Algorithms compared on {}", T::NAME),
+            lead: format!("{}. {}", self.lead(learner), self.best().unwrap_or_default()),
+            figures,
+            tables: vec![("Results".to_owned(), results::<T>(rows)), ("The bill".to_owned(), bill(rows))],
+            ..Page::default()
+        }
     }
 }
 
+/// What was measured.
+fn results<T: Verbs>(rows: &[Row]) -> Table {
+    let loss = format!("{}/{}", T::UNITS.loss, T::UNITS.episode);
+    let mut headings = vec!["", "reading", &loss];
+    // What means nothing for one row means nothing for all: the labels are the same.
+    let told = |measured: &Measured| measured.measures.iter().filter(|m| m.percent.is_some()).copied().collect();
+    let measures: Vec<Measure> = rows.iter().flat_map(|row| &row.readings).map(told).next().unwrap_or_default();
+    headings.extend(measures.iter().map(|measure| measure.name));
+    headings.extend(["expert queries", "resets", "rounds", "seconds"]);
+    let mut results = Table::new(headings);
+    for row in rows {
+        for measured in &row.readings {
+            let mut cells = vec![row.algorithm.clone(), measured.name(), format!("{:.3}", measured.loss)];
+            cells.extend(measured.measures.iter().filter_map(|m| m.percent).map(|p| format!("{p:.2}")));
+            cells.extend([
+                grouped(row.ledger.queries as f64),
+                grouped(row.ledger.resets as f64),
+                row.rounds.to_string(),
+                format!("{:.2}", row.seconds),
+            ]);
+            results.row(cells);
+        }
+    }
+    results
+}
+
+impl Measured {
+    /// The reading's name.
+    fn name(&self) -> String {
+        self.reading.map_or("-".into(), |r| super::train::to_json(&r).trim_matches('"').to_owned())
+    }
+}
+
+/// Loss against what the expert was asked, and the loss that none is expected to go below.
+fn loss<T: Verbs>(rows: &[Row], least: Option<f64>) -> Figure {
+    let dots = |row: &Row| {
+        let dot = |measured: &Measured| {
+            let name = measured.reading.map_or(String::new(), |_| measured.name());
+            Dot { x: row.ledger.queries as f64, y: measured.loss, name, ..Dot::default() }
+        };
+        Series::Dots(row.algorithm.clone(), row.readings.iter().map(dot).collect())
+    };
+    let mut series: Vec<Series> = rows.iter().map(dots).collect();
+    let best = least.map(|least| Series::level("best possible", least, &series));
+    series.extend(best);
+    let lost = format!("{} per {}", T::UNITS.loss, T::UNITS.episode);
+    let plot = Plot { x: Axis::log("expert queries"), y: Axis::linear(&lost), series };
+    let note = "Further down is better, further left is cheaper. Mixtures have a mark for each way to read them.";
+    Figure::plot("loss", "Loss against expert queries", note, &plot)
+}
+
+/// Every entry of every bill: what was predicted, and what was measured.
+fn ledgers(rows: &[Row]) -> Figure {
+    let dots = |row: &Row| {
+        let measured = Expected::from(row.ledger);
+        let dot = |(name, of): &Entry| Dot {
+            x: of(&row.expected),
+            y: of(&measured),
+            name: (*name).to_owned(),
+            ..Dot::default()
+        };
+        Series::Dots(row.algorithm.clone(), ENTRIES.iter().map(dot).collect())
+    };
+    let mut series: Vec<Series> = rows.iter().map(dots).collect();
+    series.push(Series::diagonal("as predicted", &series));
+    let plot = Plot { x: Axis::log("predicted"), y: Axis::log("measured"), series };
+    let note = "A mark for each entry of the bill: labels, queries, resets, steps and so on. On the line are those that came out as predicted.";
+    Figure::plot("ledger", "The bill: predicted against measured", note, &plot)
+}
+
+/// An entry of the bill: its name and where it stands.
+type Entry = (&'static str, fn(&Expected) -> f64);
+const ENTRIES: [Entry; 8] = [
+    ("labels", |e| e.labels),
+    ("expert acts", |e| e.expert_acts),
+    ("roll-out acts", |e| e.rollout_acts),
+    ("expert queries", |e| e.queries),
+    ("roll-outs", |e| e.rollouts),
+    ("resets", |e| e.resets),
+    ("steps", |e| e.steps),
+    ("examples", |e| e.examples),
+];
+
 /// The bill: what was measured, and below it what was predicted.
-fn bill(rows: &[Row]) -> String {
-    type Field = (&'static str, fn(&Expected) -> f64);
-    let fields: [Field; 8] = [
-        ("labels", |e| e.labels),
-        ("expert acts", |e| e.expert_acts),
-        ("roll-out acts", |e| e.rollout_acts),
-        ("expert queries", |e| e.queries),
-        ("roll-outs", |e| e.rollouts),
-        ("resets", |e| e.resets),
-        ("steps", |e| e.steps),
-        ("examples", |e| e.examples),
-    ];
+fn bill(rows: &[Row]) -> Table {
     let mut table = Table::new(std::iter::once("the bill").chain(rows.iter().map(|row| row.algorithm.as_str())));
-    for (name, field) in fields {
+    for (name, field) in ENTRIES {
         let cells = |of: &dyn Fn(&Row) -> Expected| rows.iter().map(|row| grouped(field(&of(row)))).collect::<Vec<_>>();
         table.row(std::iter::once(name.to_owned()).chain(cells(&|row| row.ledger.into())));
         table.row(std::iter::once("  predicted".to_owned()).chain(cells(&|row| row.expected)));
     }
-    table.to_string()
+    table
 }

@@ -1,10 +1,12 @@
 //! `rollin evaluate`
 
 use super::options::{ReadingName, read_corpus};
+use super::report::{ReportOptions, Sources};
 use super::tasks::{Verbs, read_model, with_task};
 use super::{Global, closed, print, print_json};
 use crate::error::Result;
 use crate::learner::calibration_error;
+use crate::report::{Figure, Matrix, Page, Table};
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Score};
 use clap::Args;
@@ -29,11 +31,14 @@ pub struct Evaluate {
     /// How to choose a label from a mixture of classifiers [default: as the model says]
     #[arg(long, value_enum, value_name = "NAME")]
     reading: Option<ReadingName>,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 impl Evaluate {
     pub fn run(&self, global: &Global) -> Result<()> {
         let (bytes, task) = read_model(&self.model)?;
+        self.report.check(&[&self.model, &self.data])?;
         with_task!(task, T => self.run_with(Model::<T>::from_bytes(&bytes, &self.model)?, global))
     }
 
@@ -54,15 +59,47 @@ impl Evaluate {
         let score = model.encoding.judge(&model.policy, &data, &actions)?;
         let sure = model.sure(&data, &actions, 0, Seed::new(global.seed))?;
         let right = model.encoding.right(&data, &actions)?;
+        let mut answers = Matrix::default();
+        model.encoding.answers(&data, &actions, &mut |right, given| answers.add(right, given))?;
         let error = sure.map(|sure| calibration_error(sure.into_iter().zip(right)));
         if global.json {
             let mut report = serde_json::to_value(&score).map_err(|error| closed(error.into()))?;
             if let Some(error) = error {
                 report["calibration_error"] = error.into();
             }
-            return print_json(&report);
+            if !answers.is_empty() {
+                report["confusion"] = serde_json::to_value(&answers).map_err(|error| closed(error.into()))?;
+            }
+            print_json(&report)?;
+        } else {
+            let told = error.map(|error| format!("expected calibration error: {:.2}%\n", 100.0 * error));
+            print(&(score.text() + &told.unwrap_or_default()))?;
         }
-        let told = error.map(|error| format!("expected calibration error: {:.2}%\n", 100.0 * error));
-        print(&(score.text() + &told.unwrap_or_default()))
+        let read = Sources { files: &[("model", &self.model), ("data", &self.data)], ..Sources::default() };
+        self.report.write(|| page::<T>(&score, error, &answers), global, &read)
+    }
+}
+
+/// What there is to be seen.
+fn page<T: Verbs>(score: &T::Score, error: Option<f64>, answers: &Matrix) -> Page {
+    let note = "A row holds the words of one right answer, a column those of one given answer; blue was right, red was wrong, and a cell is the \
+                stronger, the larger its share of the row.";
+    let mut measures = Table::new(["measure", "value"]);
+    for measure in score.measures() {
+        measure.percent.iter().for_each(|percent| measures.row([measure.name.to_owned(), percent.to_string()]));
+    }
+    if let Some(error) = error {
+        measures.row(["expected calibration error %".to_owned(), (100.0 * error).to_string()]);
+    }
+    let mut lines = Table::new(["All measures"]);
+    score.text().lines().for_each(|line| lines.row([line.trim()]));
+    Page {
+        title: format!("How good a model for {} is", T::NAME),
+        figures: match answers.is_empty() {
+            true => Vec::new(),
+            false => vec![Figure::matrix("confusion", "What was taken for what", note, answers)],
+        },
+        tables: vec![("Measures".to_owned(), measures), ("As text".to_owned(), lines)],
+        ..Page::default()
     }
 }

@@ -2,9 +2,10 @@
 
 use super::options::read;
 use super::progress::Work;
+use super::report::{ReportOptions, Sources};
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
-use crate::experiment::{Filmed, Lab, Plan, Platforming, Racing, Scale, claims, text};
+use crate::experiment::{Filmed, Lab, Plan, Platforming, Racing, Scale, claims, page, text};
 use crate::output::{check_writable, write_whole};
 use crate::seed::Seed;
 use crate::tasks::kart::Tracks;
@@ -81,6 +82,8 @@ pub struct Experiment {
     models: Option<PathBuf>,
     #[command(flatten)]
     place: Place,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 impl Experiment {
@@ -108,6 +111,8 @@ impl Experiment {
             std::fs::create_dir_all(folder).map_err(|source| Error::io("make", folder, source))?;
             check_writable(&folder.join("model"))?;
         }
+        let files = self.files();
+        self.report.check(&files.iter().map(|(_, path)| *path).collect::<Vec<_>>())?;
         let work = Work::new(G::NAME, global.quiet);
         let watch = |tick: &_| work.show(tick);
         let learnt = Lab { game, plan: &plan, folder: self.resume.clone(), watch: &watch }.run()?;
@@ -120,8 +125,23 @@ impl Experiment {
         }
         let claims = claims(&learnt.findings);
         if global.json {
-            return print_json(&serde_json::json!({ "findings": learnt.findings, "claims": claims }));
+            print_json(&serde_json::json!({ "findings": learnt.findings, "claims": claims }))?;
+        } else {
+            print(&text(&learnt.findings, &claims))?;
         }
-        print(&text(&learnt.findings, &claims))
+        let page = || {
+            let mut page = page(&learnt.findings, &claims);
+            if self.plan.is_some() {
+                page.fact("seed of the plan, which is what counts", plan.seed.to_string());
+            }
+            page
+        };
+        self.report.write(page, global, &Sources { files: &files, texts: &[] })
+    }
+
+    /// The files that are read, by what they are for.
+    fn files(&self) -> Vec<(&'static str, &Path)> {
+        let files = [("plan", &self.plan), ("levels", &self.place.levels), ("tracks", &self.place.tracks)];
+        files.into_iter().filter_map(|(what, path)| Some((what, path.as_deref()?))).collect()
     }
 }

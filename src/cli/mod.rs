@@ -13,6 +13,7 @@ mod generate;
 mod inspect;
 mod options;
 mod progress;
+mod report;
 mod tag;
 mod tasks;
 mod theory;

@@ -1,5 +1,6 @@
 //! `rollin theory`
 
+use super::report::{ReportOptions, Sources};
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::report::{Table, grouped};
@@ -10,6 +11,8 @@ use crate::theory::instance::Instance;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use std::path::PathBuf;
+
+mod pages;
 
 /// Exact values, bounds and bills in advance
 #[derive(Args)]
@@ -34,6 +37,8 @@ struct AuditArgs {
     /// `-` reads standard input
     #[arg(value_name = "INSTANCE")]
     instance: PathBuf,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 #[derive(Args)]
@@ -47,6 +52,8 @@ struct BoundsArgs {
     /// N, the rounds [default: the least with p_N <= 1/T^2]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
+    #[command(flatten)]
+    report: ReportOptions,
 }
 
 #[derive(Args)]
@@ -77,10 +84,7 @@ struct PlanArgs {
 impl Theory {
     pub fn run(&self, global: &Global) -> Result<()> {
         match &self.question {
-            Question::Audit(args) => {
-                let audit = audit(&Instance::read(&args.instance)?)?;
-                if global.json { print_json(&audit) } else { print(&readable(&audit)) }
-            }
+            Question::Audit(args) => args.run(global),
             Question::Bounds(args) => args.run(global),
             Question::Plan(args) => args.run(global),
         }
@@ -98,8 +102,35 @@ fn within<N: PartialOrd + std::fmt::Display>(name: &'static str, value: N, least
 /// The most steps and rounds that closed forms are evaluated for.
 const MOST: usize = 10_000_000;
 
+impl AuditArgs {
+    fn run(&self, global: &Global) -> Result<()> {
+        self.report.check(&[&self.instance])?;
+        let audit = audit(&Instance::read(&self.instance)?)?;
+        if global.json { print_json(&audit) } else { print(&readable(&audit)) }?;
+        let read = Sources { files: &[("instance", &self.instance)], ..Sources::default() };
+        self.report.write(|| pages::audited(&audit), global, &read)
+    }
+}
+
 fn readable(audit: &Audit) -> String {
-    let mut text = String::new();
+    let mut text = format!("{}\n", costs(audit));
+    if !audit.theorems.is_empty() {
+        text += &format!("{}\n", theorems(audit));
+    }
+    if let Some(reuse) = &audit.reuse {
+        text += &format!("{}\n{}\n", drift_title(reuse), drift(reuse));
+    }
+    if let Some(counts) = &audit.counts {
+        text += &format!("{}\n", bill(counts));
+    }
+    for reason in &audit.left_out {
+        text += &format!("left out: {reason}\n");
+    }
+    text
+}
+
+/// What the policies cost.
+fn costs(audit: &Audit) -> Table {
     let mut values = Table::new(["policy", "expected cost of T steps"]);
     let mut row = |name: &str, cost: f64| values.row([name.to_owned(), format!("{cost:.6}")]);
     if let Some(eval) = &audit.eval {
@@ -121,7 +152,11 @@ fn readable(audit: &Audit) -> String {
         row("best of the class: SMILe", best.J.smile_tilde);
         row("best of the class: SEARN", best.J.searn_tilde);
     }
-    text += &format!("{values}\n");
+    values
+}
+
+/// Every bound with what it bounds.
+fn theorems(audit: &Audit) -> Table {
     let mut bounds = Table::new(["bound", "left", "right", "slack", "assumed"]);
     for bound in &audit.theorems {
         let missing: Vec<&str> = bound.hypotheses.iter().filter(|(_, so)| !so).map(|(what, _)| what.as_str()).collect();
@@ -129,24 +164,16 @@ fn readable(audit: &Audit) -> String {
         let numbers = [bound.lhs, bound.rhs, bound.slack].map(|x| format!("{x:.6}"));
         bounds.row(std::iter::once(bound.name.clone()).chain(numbers).chain([assumed]));
     }
-    if !audit.theorems.is_empty() {
-        text += &format!("{bounds}\n");
-    }
-    if let Some(reuse) = &audit.reuse {
-        text += "Sample reuse: new trajectories, and the data sets' error in total variation, ";
-        text += match reuse.d_true.first() {
-            Some(law) if law.len() > 1 => "averaged over the steps\n",
-            _ => "of the states of all steps together\n",
-        };
-        text += &format!("{}\n", drift(reuse));
-    }
-    if let Some(counts) = &audit.counts {
-        text += &format!("{}\n", bill(counts));
-    }
-    for reason in &audit.left_out {
-        text += &format!("left out: {reason}\n");
-    }
-    text
+    bounds
+}
+
+/// What [`drift`] holds.
+fn drift_title(reuse: &crate::theory::audit::ReuseGroup) -> String {
+    let over = match reuse.d_true.first() {
+        Some(law) if law.len() > 1 => "averaged over the steps",
+        _ => "of the states of all steps together",
+    };
+    format!("Sample reuse: new trajectories, and the data sets' error in total variation, {over}")
 }
 
 /// How far the data sets of sample reuse are from what they should be: total variation, averaged over the laws that are
@@ -231,8 +258,10 @@ impl BoundsArgs {
             Some(rounds) => within("--rounds", rounds, 1, MOST)? as f64,
             None => wanted.max(1.0),
         };
+        self.report.check(&[])?;
         let forms = Closed::of(horizon, alpha, rounds, wanted);
-        if global.json { print_json(&forms) } else { print(&forms.readable()) }
+        if global.json { print_json(&forms) } else { print(&forms.table().to_string()) }?;
+        self.report.write(|| pages::closed(&forms), global, &Sources::default())
     }
 }
 
@@ -274,7 +303,7 @@ impl Closed {
         }
     }
 
-    fn readable(&self) -> String {
+    fn table(&self) -> Table {
         let mut table = Table::new(["closed form", "value"]);
         let long = |value: Option<f64>| value.map_or("too many rounds".to_owned(), number);
         let share = |value: f64| number(100.0 * value) + "%";
@@ -301,7 +330,7 @@ impl Closed {
         row("total variation of its new trajectories, once", number(self.bias_42));
         row("  accumulated after N rounds, at most", long(self.drift_42));
         row("  Algorithm 4.3, accumulated after N rounds, at most", long(self.drift_43));
-        table.to_string()
+        table
     }
 }
 

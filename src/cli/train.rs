@@ -172,7 +172,7 @@ fn short(facts: &[Fact]) -> String {
 }
 
 /// Whether both are there and are one file.
-fn same_file(a: &Path, b: &Path) -> bool {
+pub fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 

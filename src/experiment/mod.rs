@@ -23,7 +23,7 @@ pub use lab::{Findings, Lab, Learnt, Point, Tick};
 pub use measure::{Interval, Measured, Outcome, Spread};
 pub use plan::{Amount, Length, Method, Plan, Teaching};
 pub use replay::{Filmed, Ride, replay};
-pub use report::text;
+pub use report::{page, text};
 
 use crate::error::Result;
 use crate::learner::Sensed;

@@ -1,17 +1,21 @@
 //! Findings as text.
 
 use super::{Claim, Findings, Goal, Interval};
-use crate::report::{Table, grouped};
+use crate::report::{Axis, Dot, Figure, Page, Plot, Series, Table, grouped};
 
-/// All that was found, for a person.
-pub fn text(findings: &Findings, claims: &[Claim]) -> String {
-    let plan = &findings.plan;
-    let (unit, over) = match findings.goal {
-        Goal::Distance => ("mean distance", "games"),
-        Goal::Falls => ("falls a lap", "games"),
-    };
-    let over = if plan.trainings > 1 { "trainings" } else { over };
-    let head = format!(
+/// What counts, in words.
+fn unit(findings: &Findings) -> &'static str {
+    match findings.goal {
+        Goal::Distance => "mean distance",
+        Goal::Falls => "falls a lap",
+    }
+}
+
+/// What was done, in a sentence.
+fn head(findings: &Findings) -> String {
+    let (plan, unit) = (&findings.plan, unit(findings));
+    let over = if plan.trainings > 1 { "trainings" } else { "games" };
+    format!(
         "{}: {unit} with 95% confidence intervals over {over}; {} training{} of each method, measured on {} games of each of {} grade{}, seed {}\n",
         plan.game,
         plan.trainings,
@@ -20,9 +24,67 @@ pub fn text(findings: &Findings, claims: &[Claim]) -> String {
         findings.grades.len(),
         if findings.grades.len() == 1 { "" } else { "s" },
         plan.seed,
-    );
+    )
+}
+
+/// All that was found, for a person.
+pub fn text(findings: &Findings, claims: &[Claim]) -> String {
+    let head = head(findings);
     let judged = if claims.is_empty() { String::new() } else { format!("\n{}", judged(claims)) };
     format!("{head}\n{}\n{}\n{}{judged}", ends(findings), bills(findings), course(findings))
+}
+
+/// All that was found, to be looked at.
+pub fn page(findings: &Findings, claims: &[Claim]) -> Page {
+    let round = |_: &str, round: usize| round as f64;
+    let queries = |name: &str, round: usize| findings.bill(name, round, |ledger| ledger.queries);
+    let note = match findings.goal {
+        Goal::Distance => "Further up is better. Strokes are 95% confidence intervals.",
+        Goal::Falls => "Further down is better. Strokes are 95% confidence intervals.",
+    };
+    let curves = |x, along: &dyn Fn(&str, usize) -> f64| Plot {
+        x,
+        y: Axis::linear(unit(findings)),
+        series: curves(findings, along),
+    };
+    let mut tables = vec![("At the end".to_owned(), ends(findings)), ("The bill".to_owned(), bills(findings))];
+    tables.push(("Round by round".to_owned(), course(findings)));
+    if !claims.is_empty() {
+        tables.push(("Claims".to_owned(), judged(claims)));
+    }
+    Page {
+        title: format!("Who learns to play: {}", findings.plan.game),
+        lead: head(findings),
+        figures: vec![
+            Figure::plot(
+                "queries",
+                "What was learned from how many expert queries",
+                note,
+                &curves(Axis::log("expert queries"), &queries),
+            ),
+            Figure::plot(
+                "rounds",
+                "What was learned in how many rounds",
+                note,
+                &curves(Axis::linear("rounds"), &round),
+            ),
+        ],
+        tables,
+        ..Page::default()
+    }
+}
+
+/// What counts, of every method after every round, with its interval.
+fn curves(findings: &Findings, along: &dyn Fn(&str, usize) -> f64) -> Vec<Series> {
+    let curve = |name: &str| {
+        let dot = |round: usize| {
+            let measured = findings.main(name, round)?;
+            let interval = measured.half.is_finite().then(|| [measured.low(), measured.high()]);
+            Some(Dot { x: along(name, round), y: measured.mean, interval, name: format!("round {round}") })
+        };
+        Series::Line(name.to_owned(), findings.rounds(name).into_iter().filter_map(dot).collect())
+    };
+    findings.plan.methods.iter().map(|method| curve(&method.name)).collect()
 }
 
 /// A mean and what it may be off by.

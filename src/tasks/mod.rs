@@ -151,6 +151,16 @@ pub trait Task: Sized + Send + Sync {
         self.score(data, actions)
     }
 
+    /// Tells for each word of `data` the right answer and the one that `actions`, those of all episodes, give: labels, relations, letters. Nothing where
+    /// there is no single right answer.
+    ///
+    /// # Errors
+    /// As [`Task::check`].
+    fn answers(&self, data: &Self::Data, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()> {
+        let _ = (data, actions, tell);
+        Ok(())
+    }
+
     /// How many features there are.
     fn features(&self) -> usize;
 

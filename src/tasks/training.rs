@@ -3,11 +3,12 @@
 use super::learners::AnyLearner;
 use super::model::Learned;
 use crate::error::Result;
+use crate::policy::Mixture;
 use crate::roll::Shortcut;
 use crate::space::{CostToGo, Features, Problem, Space, StateOf};
 use crate::theory::ledgers::{self, Expected, Extent};
 use crate::trainer::{
-    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Run, Searn, Smile, Stacking, Supervised, Trained,
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Run, Searn, Smile, Stacking, Supervised, Trained,
 };
 use serde::{Deserialize, Serialize};
 
@@ -93,5 +94,40 @@ impl Trainer {
     /// Whether what it trains is a mixture, which can be read in more than one way.
     pub fn mixes(&self) -> bool {
         matches!(self, Trainer::Smile(_) | Trainer::Searn(_) | Trainer::SearnShortcut(_) | Trainer::Cpi(_))
+    }
+
+    /// The weights of the mixture pi^n for n = 0, ..., N, the expert's first, where it trains one by a rate that is known beforehand. What it ends with
+    /// has those of pi^N without the expert's, in proportion ([`Mixture::without_expert`]).
+    ///
+    /// ```
+    /// use rollin::tasks::Trainer;
+    /// use rollin::trainer::{Searn, Smile};
+    ///
+    /// let smile = Trainer::Smile(Smile { alpha: 0.5, rounds: 2, ..Smile::default() });
+    /// assert_eq!(smile.weights(), Some(vec![vec![1.0], vec![0.5, 0.5], vec![0.25, 0.5, 0.25]]));
+    /// let searn = Trainer::Searn(Searn { beta: 0.5, rounds: 2, ..Searn::default() });
+    /// assert_eq!(searn.weights(), Some(vec![vec![1.0], vec![0.5, 0.5], vec![0.25, 0.25, 0.5]]));
+    /// ```
+    pub fn weights(&self) -> Option<Vec<Vec<f64>>> {
+        type Update = fn(&mut Mixture<()>, f64);
+        let blend: Update = |mixture, beta| mixture.blend(beta, ());
+        let (rounds, rate, update) = match self {
+            Trainer::Smile(smile) => {
+                (smile.rounds, smile.alpha, (|mixture, alpha| mixture.replace_expert(alpha, ())) as Update)
+            }
+            Trainer::Searn(searn) | Trainer::SearnShortcut(searn) => (searn.rounds, searn.beta, blend),
+            Trainer::Cpi(Cpi { rate: Rate::Fixed(beta), rounds, .. }) => (*rounds, *beta, blend),
+            _ => return None,
+        };
+        let mut mixture = Mixture::of_expert();
+        let weights = |mixture: &Mixture<()>| -> Vec<f64> {
+            std::iter::once(mixture.expert()).chain(mixture.members().iter().map(|(weight, ())| *weight)).collect()
+        };
+        let mut all = vec![weights(&mixture)];
+        for _ in 0..rounds {
+            update(&mut mixture, rate);
+            all.push(weights(&mixture));
+        }
+        Some(all)
     }
 }

@@ -348,7 +348,10 @@ fn a_model_is_blamed_for_its_own_template() {
         assert!(message.starts_with("error: m: the model is damaged: "), "{new}: {message}");
     }
     folder.put("m", forged(&good, "\"tagging\"", "\"weaving\""));
-    folder.says("inspect m", "m: a model for weaving; this program knows tagging, segmenting, parsing, ocr, graph, navigation, tabular");
+    folder.says(
+        "inspect m",
+        "m: a model for weaving; this program knows tagging, segmenting, parsing, ocr, graph, navigation, tabular",
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod balance;
 #[cfg(feature = "cli")]
 mod cli;
+mod pages;
 mod resume;
 
 use balance::{Balance, plan};

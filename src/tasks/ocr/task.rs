@@ -137,6 +137,16 @@ impl Task for Sightings {
         Ok(accuracy)
     }
 
+    fn answers(&self, page: &Page, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()> {
+        self.check(page)?;
+        let (mut right, mut given) = ([0; 4], [0; 4]);
+        for (letter, read) in page.letters.labels().iter().zip(self.words(page, actions).concat()) {
+            let [letter, read] = [*letter, read].map(|number| char::from(b'a' + number as u8));
+            tell(letter.encode_utf8(&mut right), read.encode_utf8(&mut given));
+        }
+        Ok(())
+    }
+
     fn features(&self) -> usize {
         space::features(self)
     }

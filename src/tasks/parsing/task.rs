@@ -89,6 +89,15 @@ impl Task for Encoding {
         Ok(score)
     }
 
+    /// The relations, wherever the heads are.
+    fn answers(&self, bank: &Treebank, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()> {
+        self.check(bank)?;
+        for (w, (_, label)) in self.arcs(bank, actions).into_iter().enumerate() {
+            tell(bank.relation(w), self.relation(label));
+        }
+        Ok(())
+    }
+
     fn features(&self) -> usize {
         Encoding::features(self)
     }

@@ -314,6 +314,21 @@ impl Task for Spans {
         Ok(score)
     }
 
+    /// Of the spans, told word by word as B-X, I-X and O.
+    fn answers(&self, corpus: &Corpus, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()> {
+        let column = LabelColumn::At(self.base.label_column).in_corpus(corpus)?;
+        let scheme = Scheme::new(&corpus.columns[column].values.iter().collect::<Vec<_>>());
+        let mut right = vec![OUTSIDE.to_owned(); corpus.tokens()];
+        for (start, end, kind) in spans_of(corpus, column, &scheme) {
+            right[start..end].fill(format!("I-{kind}"));
+            right[start] = format!("B-{kind}");
+        }
+        for (right, (prefix, kind)) in right.iter().zip(self.labels(corpus, actions)) {
+            tell(right, &[prefix, kind].concat());
+        }
+        Ok(())
+    }
+
     fn features(&self) -> usize {
         self.base.features()
     }

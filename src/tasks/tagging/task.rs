@@ -158,6 +158,14 @@ impl Task for Encoding {
         Ok(score)
     }
 
+    fn answers(&self, corpus: &Corpus, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()> {
+        let column = LabelColumn::At(self.label_column).in_corpus(corpus)?;
+        for (i, action) in actions.iter().enumerate().take(corpus.tokens()) {
+            tell(corpus.word(column, i), &self.labels[action.0 as usize]);
+        }
+        Ok(())
+    }
+
     fn features(&self) -> usize {
         Encoding::features(self)
     }
