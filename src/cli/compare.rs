@@ -128,7 +128,7 @@ impl Compare {
             print(&bench.text(&rows, &learner))?;
         }
         let texts = [("data", defaults::TRAIN), ("test", defaults::TEST)];
-        let texts = if files.is_empty() { &texts[..] } else { &[] };
+        let texts = if self.data.is_none() { &texts[..] } else { &[] };
         self.report.write(|| bench.page(&rows, &learner), global, &Sources { files: &files, texts })
     }
 

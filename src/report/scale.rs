@@ -85,7 +85,7 @@ fn nice(step: f64) -> f64 {
     digit.unwrap_or(10.0) * power
 }
 
-/// A mark's number in few characters: 0.05, 2,500, 10k, 2.5M, 1e-6.
+/// A mark's number in few characters: 0.05, 2500, 10k, 2.5M, 1e-6.
 pub fn short(value: f64) -> String {
     let plain = |x: f64| {
         let text = format!("{x:.6}");
