@@ -8,7 +8,7 @@
 //! # As a task of the program
 //! Maps are read as [`crate::read::grid`] does and seen as features by a [`Guide`]; what terrain costs, which only the expert knows, is a setting. Maximum margin
 //! planning is not among the program's learners: its classifier sees the whole [`World`] and plans in it, while everything that models keep, from
-//! learners over mixtures and beams to model files, is made for classifiers that see [`Features`]. In the library every trainer runs with it.
+//! learners over mixtures and beams to model files, is made for classifiers that see [`Features`](crate::space::Features). In the library every trainer runs with it.
 //!
 //! ```
 //! use petgraph::graph::{DiGraph, NodeIndex};
