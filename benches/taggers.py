@@ -17,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 
+from peers import f1
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 CRFSUITE = """
@@ -125,23 +127,7 @@ def judged(task, test, guess):
     if task.measure == "accuracy %":
         pairs = [pair for g, p in zip(gold, guess, strict=True) for pair in zip(g, p, strict=True)]
         return 100 * sum(a == b for a, b in pairs) / len(pairs)
-    both = right = guessed = 0
-    for g, p in zip(gold, guess, strict=True):
-        g, p = spans(g), spans(p)
-        both, right, guessed = both + len(g & p), right + len(g), guessed + len(p)
-    return 200 * both / (right + guessed)
-
-
-def spans(labels):
-    found, start, kind = set(), None, None
-    for at, label in enumerate(list(labels) + ["O"]):
-        prefix, _, name = label.partition("-")
-        if start is not None and (prefix != "I" or name != kind):
-            found.add((start, at, kind))
-            start = None
-        if prefix != "O" and start is None:
-            start, kind = at, name
-    return found
+    return f1(gold, guess)
 
 
 def main():
