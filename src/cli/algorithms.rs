@@ -1,10 +1,14 @@
 //! The algorithms that the commands train with, and their settings.
 
 use crate::error::{Error, Result};
-use crate::tasks::Trainer;
+use crate::seed::Purpose;
+
+use crate::space::experts::Flaw;
+use crate::space::{CostToGo, Features, Problem, Space, StateOf};
+use crate::tasks::{AnyLearner, Learned, Trainer};
 use crate::trainer::{
-    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, MOST_WIDTH, MOST_WINDOW, Rate, Reuse, Schedule, Searn, Smile,
-    Stacking, Supervised,
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, MOST_WIDTH, MOST_WINDOW, Rate, Reuse, Run, Schedule, Searn,
+    Smile, Stacking, Supervised, Trained,
 };
 use clap::{Args, ValueEnum};
 
@@ -129,6 +133,10 @@ pub struct TrainerOptions {
     /// Steps of forward that get a classifier of their own [default: 256]
     #[arg(long, value_name = "N")]
     longest: Option<usize>,
+    /// An expert who is less than perfect: noisy:P (any other answer with probability P), suboptimal:P (always the same other answer, in a share P of
+    /// all places) or silent:P (no answer with probability P); predicted bills are those of one who always answers [default: none]
+    #[arg(long, value_name = "HOW", value_parser = Flaw::parse, default_value = "none", hide_default_value = true)]
+    expert: Flaw,
     /// Let each new classifier start from the one before (not for supervised, stacked, early-update and what is online)
     #[arg(long)]
     warm: bool,
@@ -146,6 +154,14 @@ impl TrainerOptions {
                 let expected = format!("left out: {} {have} no such setting", names.join(", "));
                 return Err(Error::argument(name, "given", expected));
             }
+        }
+        if let Flaw::Noisy(_) | Flaw::Suboptimal(_) = self.expert
+            && let Some(costly) =
+                algorithms.iter().find(|a| matches!(a, Algorithm::SearnShortcut | Algorithm::Aggrevate))
+        {
+            let expected =
+                format!("left out: {} asks what actions cost, and not for answers that may be wrong", costly.name());
+            return Err(Error::argument("--expert", "given", expected));
         }
         let counts = [("--rounds", self.rounds), ("--rollouts", self.rollouts), ("--longest", self.longest)];
         if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
@@ -221,6 +237,32 @@ impl TrainerOptions {
                 Trainer::EarlyUpdate(EarlyUpdate { width, rounds })
             }
         }
+    }
+
+    /// How the expert falls short, as it was asked for; nothing where it does not.
+    pub fn flaw(&self) -> String {
+        match self.expert {
+            Flaw::None => String::new(),
+            Flaw::Noisy(chance) => format!("noisy:{chance}"),
+            Flaw::Suboptimal(share) => format!("suboptimal:{share}"),
+            Flaw::Silent(chance) => format!("silent:{chance}"),
+        }
+    }
+
+    /// Trains on `problem` with the expert that was asked for, by `trainer` and `learner`.
+    pub fn train<P: Problem>(
+        &self,
+        problem: &P,
+        (trainer, learner): (&Trainer, &AnyLearner),
+        run: &Run<'_>,
+    ) -> Result<Trained<Learned>>
+    where
+        P::Space: Space<View = Features>,
+        P::Expert: CostToGo<P::Space> + Clone,
+        StateOf<P>: Clone,
+    {
+        let habits = run.seed.child(Purpose::Expert, 0);
+        trainer.train(&self.expert.of(problem, habits)?, learner, run)
     }
 
     fn smile(&self) -> Smile {

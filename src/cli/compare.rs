@@ -109,7 +109,7 @@ impl Compare {
         let (encoding, problem) = T::learn(&data.train, settings)?;
         encoding.check(&data.test)?;
         let extent = Extent::of(&problem);
-        let bench = Bench { extent, problem, encoding, data: &data };
+        let bench = Bench { extent, problem, encoding, how: &self.trainer, data: &data };
         let rows = self
             .algorithms
             .iter()
@@ -120,6 +120,7 @@ impl Compare {
                 "train": {"path": data.train.path(), "sentences": data.train.sentences(), "tokens": data.train.tokens()},
                 "test": {"path": data.test.path(), "sentences": data.test.sentences(), "tokens": data.test.tokens()},
                 "learner": learner,
+                "expert": self.trainer.flaw(),
                 "seed": global.seed,
                 "best_accuracy": data.best,
                 "rows": rows,
@@ -189,6 +190,7 @@ struct Bench<'d, T: Verbs> {
     problem: Imitation<T::Space, T::Expert>,
     extent: Extent,
     encoding: T,
+    how: &'d TrainerOptions,
     data: &'d Both<T::Data>,
 }
 
@@ -197,7 +199,7 @@ impl<T: Verbs> Bench<'_, T> {
         let bar = Bar::new(&algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
         let run = Run { seed: Seed::new(global.seed), watch: &watch };
-        let trained = T::train(&self.problem, &run, &|problem, run| trainer.train(problem, learner, run))?;
+        let trained = T::train(&self.problem, &run, &|problem, run| self.how.train(problem, (&trainer, learner), run))?;
         let readings = match trainer.mixes() {
             true => vec![Some(policy::Reading::Sampled), Some(policy::Reading::Vote), Some(policy::Reading::Mean)],
             false => vec![None],

@@ -40,7 +40,7 @@ impl Inspect {
             Learned::Stacked(stages) => ("two stages", format!(", window {}", stages.window)),
             Learned::Readings { .. } => ("two readings", String::new()),
         };
-        let rows: Vec<usize> = model.policy.classifiers().iter().map(|c| c.weights.len()).collect();
+        let rows: Vec<usize> = model.policy.classifiers().iter().map(|c| c.weights().len()).collect();
         if global.json {
             let mut report = serde_json::json!({
                 "model": self.model,
@@ -67,10 +67,15 @@ impl Inspect {
             ("expert queries", grouped(about.ledger.queries as f64)),
         ];
         let temperatures: Vec<String> = model.temperatures.iter().map(|t| format!("{t:.3}")).collect();
+        let expert = (!about.expert.is_empty()).then(|| ("expert", about.expert.clone()));
         let calibrated = (!temperatures.is_empty()).then(|| ("temperatures", temperatures.join(" ")));
         let (long, lines): (Vec<_>, Vec<_>) =
             own.into_iter().filter(|fact| !fact.text.is_empty()).partition(|fact| fact.text.contains('\n'));
-        let facts = facts.into_iter().chain(calibrated).chain(lines.into_iter().map(|fact| (fact.name, fact.text)));
+        let facts = facts
+            .into_iter()
+            .chain(expert)
+            .chain(calibrated)
+            .chain(lines.into_iter().map(|fact| (fact.name, fact.text)));
         let facts: String = facts.map(|(name, fact)| format!("{name:<16}{fact}\n")).collect();
         let long: String = long.into_iter().map(|fact| format!("\n{}{}\n", fact.name, fact.text)).collect();
         let mut classifiers = Table::new(["classifier", "weight", "features with weights"]);

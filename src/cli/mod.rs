@@ -70,9 +70,9 @@ impl Global {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Train a tagger or a parser and write its model file
+    /// Train a model for any of the tasks and write its file
     Train(train::Train),
-    /// Tag or parse standard input: every line again, with what the model says
+    /// Do a model's task on standard input: every line again, with what the model says
     Tag(tag::Tag),
     /// Compare a model's answers with the right ones
     Evaluate(evaluate::Evaluate),

@@ -3,11 +3,11 @@
 use super::tasks::Verbs;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
+use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Net, Perceptron, Svm, Wap};
 use crate::read::template::Template;
 use crate::tasks::graph::Visit;
 use crate::tasks::tagging::{self, LabelColumn, Order};
-use crate::tasks::{AnyLearner, Data, Task};
+use crate::tasks::{AnyLearner, Data, MOST_UNITS, Task};
 use clap::{Args, ValueEnum};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -279,6 +279,8 @@ pub enum LearnerName {
     Svm,
     /// The multiclass support vector machine (cost-sensitive)
     CrammerSinger,
+    /// A net of one hidden layer, Adam (0-1)
+    Net,
 }
 
 impl LearnerName {
@@ -295,13 +297,13 @@ pub struct LearnerOptions {
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
     /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online and lols-online make one a
-    /// round whatever is given [default: 5, wap 3, svm 100, crammer-singer 50]
+    /// round whatever is given [default: 5, wap 3, svm 100, crammer-singer 50, net 10]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
-    /// AdaGrad's rate, for every learner but perceptron, svm and crammer-singer [default: 0.1, wap and filter-tree 0.2]
+    /// AdaGrad's rate, or Adam's for net, for every learner but perceptron, svm and crammer-singer [default: 0.1, wap and filter-tree 0.2, net 0.005]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     rate: Option<f32>,
-    /// L2 penalty per example, for every learner but perceptron, svm and crammer-singer [default: 0]
+    /// L2 penalty per example, for every learner but perceptron, svm, crammer-singer and net [default: 0]
     #[arg(long, value_name = "WEIGHT", allow_negative_numbers = true)]
     l2: Option<f32>,
     /// Probability of a mistake below which logistic leaves an example alone: more is faster [default: 0.01]
@@ -310,6 +312,9 @@ pub struct LearnerOptions {
     /// What a margin error costs svm and crammer-singer: C [default: 0.1]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     cost: Option<f32>,
+    /// Units in the hidden layer of net, at most 65536; 0 is none [default: 64]
+    #[arg(long, value_name = "N")]
+    units: Option<usize>,
 }
 
 impl LearnerOptions {
@@ -336,6 +341,9 @@ impl LearnerOptions {
         }
         if let Some(cost) = self.cost.filter(|cost| !(*cost > 0.0 && cost.is_finite())) {
             return Err(Error::argument("--cost", cost, "above 0"));
+        }
+        if let Some(units) = self.units.filter(|units| *units > MOST_UNITS) {
+            return Err(Error::argument("--units", units, format!("at most {MOST_UNITS}")));
         }
         self.refuse_others()?;
         let given =
@@ -375,6 +383,11 @@ impl LearnerOptions {
                 let (passes, cost) = (self.passes.unwrap_or(default.passes), self.cost.unwrap_or(default.cost));
                 AnyLearner::CrammerSinger(CrammerSinger { passes, cost, ..default })
             }
+            LearnerName::Net => {
+                let default = Net::default();
+                let (passes, rate, _) = given(default.passes, default.rate, 0.0);
+                AnyLearner::Net(Net { units: self.units.unwrap_or(default.units), passes, rate, ..default })
+            }
         })
     }
 
@@ -384,9 +397,10 @@ impl LearnerOptions {
         let gradient = !margin && self.learner != LearnerName::Perceptron;
         let settings = [
             ("--rate", self.rate.is_some(), gradient),
-            ("--l2", self.l2.is_some(), gradient),
+            ("--l2", self.l2.is_some(), gradient && self.learner != LearnerName::Net),
             ("--tolerance", self.tolerance.is_some(), self.learner == LearnerName::Logistic),
             ("--cost", self.cost.is_some(), margin),
+            ("--units", self.units.is_some(), self.learner == LearnerName::Net),
         ];
         match settings.iter().find(|(_, given, has)| *given && !has) {
             Some((name, ..)) => Err(no_such_setting(name, &self.learner.name())),

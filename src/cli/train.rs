@@ -73,7 +73,7 @@ impl Train {
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
         let run = Run { seed: Seed::new(global.seed), watch: &watch };
-        let trained = T::train(&problem, &run, &|problem, run| trainer.train(problem, &learner, run))?;
+        let trained = T::train(&problem, &run, &|problem, run| self.trainer.train(problem, (&trainer, &learner), run))?;
         drop(bar);
         let policy = trained.policy.read_as(self.reading.into());
         let mut temperatures = Vec::new();
@@ -88,6 +88,7 @@ impl Train {
         let about = About {
             trainer: to_json(&trainer),
             learner: if self.algorithm == Algorithm::EarlyUpdate { "none".into() } else { to_json(&learner) },
+            expert: self.trainer.flaw(),
             seed: global.seed,
             data: self.data.display().to_string(),
             sentences: corpus.sentences(),

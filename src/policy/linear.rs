@@ -3,6 +3,7 @@
 use super::{Classifier, Outputs};
 use crate::space::{Action, Actions, Features, NO_ROW, Sight};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 /// What the columns of a linear classifier stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -259,13 +260,14 @@ pub struct Linear {
 impl Linear {
     /// The classifier whose weights are the weighted mean of these: its scores are the mean of theirs, at the cost of one. `None` when
     /// there is none, or their scores are counts of pairs, which such a mean does not give.
-    pub fn mean(members: &[(f64, Linear)]) -> Option<Linear> {
-        let first = &members.first()?.1;
-        if members.iter().any(|(_, m)| m.columns != Columns::Actions) {
+    pub fn mean<L: Borrow<Linear>>(members: &[(f64, L)]) -> Option<Linear> {
+        let first = members.first()?.1.borrow();
+        if members.iter().any(|(_, m)| m.borrow().columns != Columns::Actions) {
             return None;
         }
         let mut weights = Weights::new(first.weights.features(), first.weights.columns);
         for (share, member) in members {
+            let member = member.borrow();
             for feature in 0..member.weights.features() as u32 {
                 if let Some(row) = member.weights.row(feature) {
                     weights.row_mut(feature).iter_mut().zip(row).for_each(|(sum, w)| *sum += *share as f32 * w);

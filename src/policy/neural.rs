@@ -181,7 +181,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 /// A thread's scratch for a net.
 #[derive(Default)]
 pub struct NeuralMemory<M = LinearMemory> {
-    input: M,
+    pub(crate) input: M,
     units: Vec<f32>,
     outputs: Vec<f32>,
     scores: Vec<f32>,

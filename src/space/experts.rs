@@ -2,7 +2,8 @@
 //! ([`Suboptimal`]), silent at some states ([`Partly`]); and a [`Person`] who is asked.
 //!
 //! An expert's chance is keyed like all others: [`Expert::answer`] is given the node of the step at hand, so the same seed
-//! brings the same answers at any number of threads, and roll-outs that share their randomness share the expert's mistakes, too.
+//! brings the same answers at any number of threads, and roll-outs that share their randomness share the expert's mistakes, too. Which of them it is to be
+//! can also be chosen at run time ([`Flaw`]).
 //!
 //! ```
 //! use rollin::learner::Perceptron;
@@ -15,9 +16,10 @@
 //! # Ok::<(), rollin::Error>(())
 //! ```
 
-use super::{Action, CostToGo, Expert, Space};
+use super::{Action, CostToGo, Episode, Expert, Problem, Space};
 use crate::error::{Error, Result};
 use crate::seed::{Purpose, Seed};
+use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Write};
 use std::sync::{Mutex, PoisonError};
 
@@ -137,6 +139,145 @@ impl<S: Space, E: CostToGo<S>> CostToGo<S> for Partly<E> {
     /// The costs of the one it is made of: those of an expert who never falls silent.
     fn costs(&self, space: &S, state: &S::State, costs: &mut Vec<f64>) {
         self.expert.costs(space, state, costs);
+    }
+}
+
+/// How an expert falls short: by what is chosen at run time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Flaw {
+    /// Not at all.
+    #[default]
+    None,
+    /// As [`Noisy`], with this probability of an error.
+    Noisy(f64),
+    /// As [`Suboptimal`], with bad habits in this share of the signatures.
+    Suboptimal(f64),
+    /// As [`Partly`], with this probability of silence.
+    Silent(f64),
+}
+
+impl Flaw {
+    /// Reads `none`, `noisy:P`, `suboptimal:P` or `silent:P`.
+    ///
+    /// # Errors
+    /// When it is none of these, or P is outside [0, 1].
+    pub fn parse(text: &str) -> Result<Self> {
+        let unknown = || Error::argument("expert", text, "none, noisy:P, suboptimal:P or silent:P");
+        let chance = |p: &str| check_chance("expert", p.parse().map_err(|_| unknown())?);
+        match text.split_once(':') {
+            None if text == "none" => Ok(Flaw::None),
+            Some(("noisy", p)) => Ok(Flaw::Noisy(chance(p)?)),
+            Some(("suboptimal", p)) => Ok(Flaw::Suboptimal(chance(p)?)),
+            Some(("silent", p)) => Ok(Flaw::Silent(chance(p)?)),
+            _ => Err(unknown()),
+        }
+    }
+
+    /// `problem` with an expert who has this flaw; bad habits hang below `habits`.
+    ///
+    /// # Errors
+    /// When a probability is outside [0, 1], or bad habits are asked for though no episode starts in a state with a signature to tell it by.
+    pub fn of<P: Problem>(self, problem: &P, habits: Seed) -> Result<Advised<'_, P, Flawed<P::Expert>>>
+    where
+        P::Expert: Clone,
+    {
+        let perfect = problem.expert().clone();
+        let expert = match self {
+            Flaw::None => Flawed::None(perfect),
+            Flaw::Noisy(wrong) => Flawed::Noisy(Noisy::new(perfect, wrong)?),
+            Flaw::Silent(silent) => Flawed::Silent(Partly::new(perfect, silent)?),
+            Flaw::Suboptimal(bad) => {
+                let start = |index| problem.space().start(Episode { index, seed: habits });
+                if (0..problem.episodes()).all(|index| problem.space().signature(&start(index)).is_none()) {
+                    return Err(Error::argument(
+                        "expert",
+                        "suboptimal",
+                        "another one: the states of this task have no signatures, by which bad ones are known again",
+                    ));
+                }
+                Flawed::Suboptimal(Suboptimal::new(perfect, bad, habits)?)
+            }
+        };
+        Ok(Advised { problem, expert })
+    }
+}
+
+/// A problem with another expert.
+#[derive(Clone, Copy, Debug)]
+pub struct Advised<'a, P, E> {
+    /// The problem.
+    pub problem: &'a P,
+    /// Its expert from now on.
+    pub expert: E,
+}
+
+impl<P: Problem, E: Expert<P::Space>> Problem for Advised<'_, P, E> {
+    type Space = P::Space;
+    type Expert = E;
+    fn space(&self) -> &P::Space {
+        self.problem.space()
+    }
+    fn expert(&self) -> &E {
+        &self.expert
+    }
+    fn episodes(&self) -> usize {
+        self.problem.episodes()
+    }
+}
+
+/// An expert with a [`Flaw`].
+#[derive(Clone, Copy, Debug)]
+pub enum Flawed<E> {
+    /// One without.
+    None(E),
+    /// One who errs now and then.
+    Noisy(Noisy<E>),
+    /// One with bad habits.
+    Suboptimal(Suboptimal<E>),
+    /// One who is silent now and then.
+    Silent(Partly<E>),
+}
+
+impl<S: Space, E: Expert<S>> Expert<S> for Flawed<E> {
+    #[inline]
+    fn action(&self, space: &S, state: &S::State) -> Option<Action> {
+        match self {
+            Flawed::None(expert) => expert.action(space, state),
+            Flawed::Noisy(expert) => expert.action(space, state),
+            Flawed::Suboptimal(expert) => expert.action(space, state),
+            Flawed::Silent(expert) => expert.action(space, state),
+        }
+    }
+
+    #[inline]
+    fn answer(&self, space: &S, state: &S::State, seed: Seed) -> Option<Action> {
+        match self {
+            Flawed::None(expert) => expert.answer(space, state, seed),
+            Flawed::Noisy(expert) => expert.answer(space, state, seed),
+            Flawed::Suboptimal(expert) => expert.answer(space, state, seed),
+            Flawed::Silent(expert) => expert.answer(space, state, seed),
+        }
+    }
+
+    #[inline]
+    fn foresee(&self, space: &S, state: &S::State, costs: &mut Vec<f64>) -> Option<u64> {
+        match self {
+            Flawed::None(expert) => expert.foresee(space, state, costs),
+            _ => None,
+        }
+    }
+}
+
+impl<S: Space, E: CostToGo<S>> CostToGo<S> for Flawed<E> {
+    /// Those of the expert without the flaw, who acts well ever after; so whoever asks for costs and not for answers learns nothing of errors and bad habits.
+    fn costs(&self, space: &S, state: &S::State, costs: &mut Vec<f64>) {
+        match self {
+            Flawed::None(expert) => expert.costs(space, state, costs),
+            Flawed::Noisy(Noisy { expert, .. }) => expert.costs(space, state, costs),
+            Flawed::Suboptimal(Suboptimal { expert, .. }) => expert.costs(space, state, costs),
+            Flawed::Silent(expert) => expert.costs(space, state, costs),
+        }
     }
 }
 

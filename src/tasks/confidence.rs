@@ -9,9 +9,10 @@
 //!   would be this one: the mean of the members' probabilities, each by a temperature of its own. A mixture whose members disagree is
 //!   less sure than each of them.
 
+use super::AnyClassifier;
 use super::model::Learned;
 use crate::learner::{Examples, Setting, calibrate};
-use crate::policy::{Calibrated, Linear, LinearMemory};
+use crate::policy::{Calibrated, NeuralMemory};
 use crate::roll;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Episode, Features, Problem, Space, StateOf};
@@ -27,7 +28,7 @@ impl Learned {
     {
         match self {
             Learned::Ladder(ladder) => {
-                let step = |(t, classifier): (usize, &Linear)| {
+                let step = |(t, classifier): (usize, &AnyClassifier)| {
                     let (examples, _) = roll::labels_at(problem, self, t, episodes, seed);
                     temperature(problem, classifier, &examples)
                 };
@@ -51,7 +52,7 @@ impl Learned {
     where
         P::Space: Space<View = Features>,
     {
-        let calibrated: Vec<Calibrated<&Linear>> = (self.classifiers().into_iter().zip(done.temperatures))
+        let calibrated: Vec<Calibrated<&AnyClassifier>> = (self.classifiers().into_iter().zip(done.temperatures))
             .map(|(classifier, temperature)| Calibrated { classifier, temperature: *temperature })
             .collect();
         let last = calibrated.len().saturating_sub(1);
@@ -85,7 +86,7 @@ pub struct Done<'a> {
 }
 
 /// The temperature of one classifier.
-fn temperature<P: Problem>(problem: &P, classifier: &Linear, examples: &Examples<Features>) -> f32
+fn temperature<P: Problem>(problem: &P, classifier: &AnyClassifier, examples: &Examples<Features>) -> f32
 where
     P::Space: Space<View = Features>,
 {
@@ -96,14 +97,14 @@ where
 fn replay<P: Problem, I: IntoIterator<Item = (f64, usize)>>(
     problem: &P,
     done: Done<'_>,
-    calibrated: &[Calibrated<&Linear>],
+    calibrated: &[Calibrated<&AnyClassifier>],
     members: impl Fn(usize) -> I,
 ) -> Vec<f32>
 where
     P::Space: Space<View = Features>,
 {
     let (mut worker, mut sure) = (Worker::new(problem), Vec::with_capacity(done.actions.len()));
-    let mut memories: Vec<LinearMemory> = calibrated.iter().map(|_| LinearMemory::default()).collect();
+    let mut memories: Vec<NeuralMemory> = calibrated.iter().map(|_| NeuralMemory::default()).collect();
     let mut probabilities = Vec::new();
     let mut probability = |visit: &mut Visit<'_, P>, action: Action| {
         let (t, sight, mut mean) = (visit.t(), visit.sight(), 0.0);

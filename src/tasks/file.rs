@@ -4,16 +4,17 @@
 //! follows, and the numbers, little-endian, one array after the other:
 //!
 //! 1. the task's own arrays, u64: see [`Task::arrays`];
-//! 2. for each classifier the numbers of the features that have weights, u32, ascending, then their rows, f32.
+//! 2. for each classifier the numbers of the features that have weights, u32, ascending, then their rows, f32; then for a net, whose rows are those of
+//!    its input layer, the biases of its units and of its outputs and the weights of output by output, f32.
 //!
 //! A file is read as untrusted input: no length in it is believed before the bytes are there. It is written beside its
 //! target and renamed, so a file that exists is whole.
 
-use super::Task;
 use super::model::{About, Learned, Model};
+use super::{AnyClassifier, Task};
 use crate::error::{Error, Result};
 use crate::output::write_whole;
-use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Reading, Weights};
+use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Neural, Outputs, Reading, Weights};
 use crate::space::Stacked;
 use crate::trainer::{Beam, MOST_WIDTH, MOST_WINDOW, TwoStage};
 use serde::de::DeserializeOwned;
@@ -34,12 +35,50 @@ struct Header<H> {
     own: H,
     policy: Shape,
     columns: Columns,
+    /// Where they are nets: all are of one shape.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    net: Option<Hidden>,
     /// How many features have weights, for each classifier.
     rows: Vec<usize>,
     about: About,
     /// Left out where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     temperatures: Vec<f32>,
+}
+
+/// The shape of a net.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Hidden {
+    units: usize,
+    outputs: Outputs,
+}
+
+/// The most units that a net in a file may have.
+pub const MOST_UNITS: usize = 1 << 16;
+
+impl Hidden {
+    fn of(classifier: &AnyClassifier) -> Option<Self> {
+        match classifier {
+            AnyClassifier::Linear(_) => None,
+            AnyClassifier::Net(net) => Some(Hidden { units: net.units(), outputs: net.outputs() }),
+        }
+    }
+
+    /// Reads a net for so many actions and features.
+    fn take(
+        self,
+        (actions, features): (usize, usize),
+        count: usize,
+        arrays: &mut Arrays<'_>,
+    ) -> Result<AnyClassifier, &'static str> {
+        let Hidden { units, outputs } = self;
+        let ends = outputs.count(actions);
+        let input = take_rows((if units == 0 { ends } else { units }, features), Columns::Actions, count, arrays)?;
+        let dense = arrays.take::<4>(Neural::<Linear>::size(units, ends)).ok_or("it ends within a net")?;
+        let dense = dense.iter().map(|w| f32::from_le_bytes(*w)).collect();
+        Ok(AnyClassifier::Net(Neural { actions, outputs, units, input, dense }))
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -83,14 +122,14 @@ impl Shape {
     }
 
     /// The policy of this shape.
-    fn policy(self, mut classifiers: Vec<Linear>) -> Result<Learned, String> {
+    fn policy(self, mut classifiers: Vec<AnyClassifier>) -> Result<Learned, String> {
         Ok(match self {
             Shape::Ladder => Learned::Ladder(Ladder::of(classifiers)),
-            Shape::Beam { width } => match <[Linear; 1]>::try_from(classifiers) {
+            Shape::Beam { width } => match <[AnyClassifier; 1]>::try_from(classifiers) {
                 Ok([classifier]) if (1..=MOST_WIDTH).contains(&width) => Learned::Beam(Beam { classifier, width }),
                 _ => return Err("it is no beam with one classifier".into()),
             },
-            Shape::Stacked { window } => match <[Linear; 2]>::try_from(classifiers) {
+            Shape::Stacked { window } => match <[AnyClassifier; 2]>::try_from(classifiers) {
                 Ok([first, second]) => {
                     Learned::Stacked(TwoStage { first: Greedy(first), second: Greedy(second), window })
                 }
@@ -124,14 +163,16 @@ impl<T: Task> Model<T> {
             own: self.encoding.header(),
             policy: Shape::of(&self.policy),
             columns: self.columns(),
-            rows: classifiers.iter().map(|c| c.weights.len()).collect(),
+            net: classifiers.first().and_then(|c| Hidden::of(c)),
+            rows: classifiers.iter().map(|c| c.weights().len()).collect(),
             about: self.about.clone(),
             temperatures: self.temperatures.clone(),
         };
         let json = serde_json::to_vec(&header).unwrap_or_default();
         let arrays = self.encoding.arrays();
         let keys: usize = arrays.iter().map(|array| array.len()).sum();
-        let numbers: usize = classifiers.iter().map(|c| c.weights.len() * (1 + c.weights.columns())).sum();
+        let numbers: usize =
+            classifiers.iter().map(|c| c.weights().len() * (1 + c.weights().columns()) + beside(c).len()).sum();
         let length = json.len() + 1 + 8 * keys + 4 * numbers;
 
         // Models are large: the body is written once, behind a head that waits for its checksum.
@@ -144,7 +185,8 @@ impl<T: Task> Model<T> {
             bytes.extend(array.iter().flat_map(|key| key.to_le_bytes()));
         }
         for classifier in classifiers {
-            put_rows(&classifier.weights, &mut bytes);
+            put_rows(classifier.weights(), &mut bytes);
+            bytes.extend(beside(classifier).iter().flat_map(|w| w.to_le_bytes()));
         }
         let sum = checksum(&bytes[start..]);
         bytes[..start].copy_from_slice(&head(length, sum));
@@ -189,6 +231,9 @@ impl<T: Task> Model<T> {
         let encoding = T::restore(own, &mut arrays, path).map_err(|what| broken(&what))?;
 
         let (actions, features) = (encoding.actions(), encoding.features());
+        if header.net.is_some_and(|net| net.units > MOST_UNITS) {
+            return Err(broken("its nets are too wide"));
+        }
         let features = |place: usize| match header.policy {
             Shape::Stacked { window } if place == 1 => {
                 Some(window).filter(|w| *w <= MOST_WINDOW).map(|w| features + Stacked::<T::Space>::more(actions, w))
@@ -201,7 +246,12 @@ impl<T: Task> Model<T> {
             .enumerate()
             .map(|(place, count)| {
                 let features = features(place).ok_or("its window is too wide")?;
-                take_rows((actions, features), header.columns, *count, &mut arrays)
+                match header.net {
+                    None => {
+                        take_rows((actions, features), header.columns, *count, &mut arrays).map(AnyClassifier::from)
+                    }
+                    Some(net) => net.take((actions, features), *count, &mut arrays),
+                }
             })
             .collect::<Result<Vec<_>, &str>>()
             .map_err(&broken)?;
@@ -215,6 +265,14 @@ impl<T: Task> Model<T> {
         }
         let policy = header.policy.policy(classifiers).map_err(|what| broken(&what))?;
         Ok(Model { encoding, policy, about: header.about, temperatures })
+    }
+}
+
+/// What a classifier has beside the weights of features.
+fn beside(classifier: &AnyClassifier) -> &[f32] {
+    match classifier {
+        AnyClassifier::Linear(_) => &[],
+        AnyClassifier::Net(net) => &net.dense,
     }
 }
 

@@ -1,10 +1,11 @@
 //! Learners by name.
 
+use super::AnyClassifier;
 use crate::learner::{
-    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Learner, Logistic, Online, Perceptron, Setting,
-    Svm, SvmCourse, Target, Wap,
+    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Learner, Logistic, Net, NetCourse, Online,
+    Perceptron, Setting, Svm, SvmCourse, Target, Wap,
 };
-use crate::policy::{Classifier, Linear, LinearMemory};
+use crate::policy::{Classifier, Linear, Neural, NeuralMemory};
 use crate::seed::Seed;
 use crate::space::{Action, Features, Sight};
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,8 @@ pub enum AnyLearner {
     Svm(Svm),
     /// [`CrammerSinger`].
     CrammerSinger(CrammerSinger),
+    /// [`Net`].
+    Net(Net),
 }
 
 /// An [`AnyLearner`] in the middle of learning. It goes on with a learner of the kind that began it: one of another kind panics, as that is
@@ -38,6 +41,8 @@ pub enum AnyCourse {
     Svm(SvmCourse),
     /// That of a [`CrammerSinger`].
     Crammer(CrammerCourse),
+    /// That of a [`Net`].
+    Net(NetCourse),
 }
 
 /// Does the same with the learner in `$any`, whichever it is.
@@ -51,6 +56,7 @@ macro_rules! with_learner {
             AnyLearner::FilterTree($learner) => $body,
             AnyLearner::Svm($learner) => $body,
             AnyLearner::CrammerSinger($learner) => $body,
+            AnyLearner::Net($learner) => $body,
         }
     };
 }
@@ -86,48 +92,71 @@ macro_rules! begun {
 begun!(Course, Linear);
 begun!(SvmCourse, Svm);
 begun!(CrammerCourse, Crammer);
+begun!(NetCourse, Net);
+
+/// A classifier, as the learners that make its kind know it; one of another kind is nothing to start from.
+trait Made: Into<AnyClassifier> {
+    fn of(classifier: &AnyClassifier) -> Option<&Self>;
+}
+
+macro_rules! made {
+    ($classifier:ty, $variant:ident) => {
+        impl Made for $classifier {
+            fn of(classifier: &AnyClassifier) -> Option<&Self> {
+                match classifier {
+                    AnyClassifier::$variant(classifier) => Some(classifier),
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+made!(Linear, Linear);
+made!(Neural, Net);
 
 impl Classifier<Features> for AnyCourse {
-    type Memory = LinearMemory;
+    type Memory = NeuralMemory;
 
     #[inline]
-    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut LinearMemory) -> &'m [f32] {
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut NeuralMemory) -> &'m [f32] {
         match self {
-            AnyCourse::Linear(course) => course.scores(sight, memory),
-            AnyCourse::Svm(course) => course.scores(sight, memory),
-            AnyCourse::Crammer(course) => course.scores(sight, memory),
+            AnyCourse::Linear(course) => course.scores(sight, &mut memory.input),
+            AnyCourse::Svm(course) => course.scores(sight, &mut memory.input),
+            AnyCourse::Crammer(course) => course.scores(sight, &mut memory.input),
+            AnyCourse::Net(course) => course.scores(sight, memory),
         }
     }
 
     #[inline]
-    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
+    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut NeuralMemory) -> Action {
         match self {
-            AnyCourse::Linear(course) => course.choose(sight, memory),
-            AnyCourse::Svm(course) => course.choose(sight, memory),
-            AnyCourse::Crammer(course) => course.choose(sight, memory),
+            AnyCourse::Linear(course) => course.choose(sight, &mut memory.input),
+            AnyCourse::Svm(course) => course.choose(sight, &mut memory.input),
+            AnyCourse::Crammer(course) => course.choose(sight, &mut memory.input),
+            AnyCourse::Net(course) => course.choose(sight, memory),
         }
     }
 }
 
 impl Learner<Features> for AnyLearner {
-    type Classifier = Linear;
+    type Classifier = AnyClassifier;
 
     fn fit(
         &self,
         setting: Setting<'_, Features>,
         examples: &Examples<Features>,
-        warm: Option<&Linear>,
+        warm: Option<&AnyClassifier>,
         seed: Seed,
-    ) -> Linear {
-        with_learner!(self, learner => learner.fit(setting, examples, warm, seed))
+    ) -> AnyClassifier {
+        with_learner!(self, learner => learner.fit(setting, examples, warm.and_then(Made::of), seed).into())
     }
 }
 
 impl Online<Features> for AnyLearner {
     type Course = AnyCourse;
 
-    fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> AnyCourse {
-        with_learner!(self, learner => learner.begin(setting, warm).wrap())
+    fn begin(&self, setting: Setting<'_, Features>, warm: Option<&AnyClassifier>) -> AnyCourse {
+        with_learner!(self, learner => learner.begin(setting, warm.and_then(Made::of)).wrap())
     }
 
     #[inline]
@@ -139,7 +168,11 @@ impl Online<Features> for AnyLearner {
         with_learner!(self, learner => learner.study(Begun::of(course), setting, examples));
     }
 
-    fn finish(&self, course: AnyCourse) -> Linear {
-        with_learner!(self, learner => learner.finish(Begun::unwrap(course)))
+    fn seed(&self, course: &mut AnyCourse, seed: Seed) {
+        with_learner!(self, learner => Online::<Features>::seed(learner, Begun::of(course), seed));
+    }
+
+    fn finish(&self, course: AnyCourse) -> AnyClassifier {
+        with_learner!(self, learner => learner.finish(Begun::unwrap(course)).into())
     }
 }

@@ -3,6 +3,7 @@
 //! A [`Task`] names what the verbs of the program (and of any other) need: how text is read, how features and actions are learned from it
 //! and found again, what is written, what is measured, and what a model file keeps. A [`Model`] is such a task with a trained policy.
 
+mod classifiers;
 mod confidence;
 mod file;
 pub mod graph;
@@ -18,8 +19,9 @@ pub mod tabular;
 pub mod tagging;
 mod training;
 
+pub use classifiers::AnyClassifier;
 pub use confidence::Done;
-pub use file::{Arrays, task_of};
+pub use file::{Arrays, MOST_UNITS, task_of};
 pub(crate) use file::{opened, put_rows, sealed, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
@@ -45,7 +47,7 @@ pub trait Task: Sized + Send + Sync {
     /// Its sentences as episodes.
     type Space: Space<View = Features, State: Clone>;
     /// The one to be imitated.
-    type Expert: CostToGo<Self::Space>;
+    type Expert: CostToGo<Self::Space> + Clone;
     /// What is measured.
     type Score: Score;
     /// What a model file's header says of the task. It should refuse what it does not know.

@@ -1,8 +1,8 @@
 //! What training leaves behind: a policy, what turns text into its features, and how both came to be.
 
-use super::{Data, Done, Task};
+use super::{AnyClassifier, Data, Done, Task};
 use crate::error::Result;
-use crate::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, MixtureMemory, Policy, Reading};
+use crate::policy::{Classifier, Columns, Greedy, Ladder, Mixture, MixtureMemory, NeuralMemory, Policy, Reading};
 use crate::roll::{self, Performance};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Problem, Space, StateOf};
@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug)]
 pub enum Learned {
     /// A mixture, or a single classifier.
-    Mixture(Mixture<Linear>),
+    Mixture(Mixture<AnyClassifier>),
     /// One classifier per step.
-    Ladder(Ladder<Linear>),
+    Ladder(Ladder<AnyClassifier>),
     /// A classifier that is searched with.
-    Beam(Beam<Linear>),
+    Beam(Beam<AnyClassifier>),
     /// Two classifiers, of which the second sees what the first did.
-    Stacked(Stages<Linear>),
+    Stacked(Stages<AnyClassifier>),
     /// Two policies, of which the first reads from the end and the second, which is told, from the start.
     Readings {
         /// The first.
@@ -33,27 +33,39 @@ pub enum Learned {
     },
 }
 
-impl From<Greedy<Linear>> for Learned {
-    fn from(Greedy(classifier): Greedy<Linear>) -> Self {
-        Learned::Mixture(Mixture::of_one(classifier))
+impl<C: Into<AnyClassifier>> From<Greedy<C>> for Learned {
+    fn from(Greedy(classifier): Greedy<C>) -> Self {
+        Learned::Mixture(Mixture::of_one(classifier.into()))
     }
 }
 
-impl From<Mixture<Linear>> for Learned {
-    fn from(mixture: Mixture<Linear>) -> Self {
-        Learned::Mixture(mixture)
+impl<C: Into<AnyClassifier>> From<Mixture<C>> for Learned {
+    fn from(mixture: Mixture<C>) -> Self {
+        Learned::Mixture(mixture.map(Into::into))
     }
 }
 
-impl From<Ladder<Linear>> for Learned {
-    fn from(ladder: Ladder<Linear>) -> Self {
-        Learned::Ladder(ladder)
+impl<C: Into<AnyClassifier>> From<Ladder<C>> for Learned {
+    fn from(ladder: Ladder<C>) -> Self {
+        Learned::Ladder(ladder.map(Into::into))
+    }
+}
+
+impl<C: Into<AnyClassifier>> From<Beam<C>> for Learned {
+    fn from(Beam { classifier, width }: Beam<C>) -> Self {
+        Learned::Beam(Beam { classifier: classifier.into(), width })
+    }
+}
+
+impl<C: Into<AnyClassifier>> From<Stages<C>> for Learned {
+    fn from(TwoStage { first, second, window }: Stages<C>) -> Self {
+        Learned::Stacked(TwoStage { first: Greedy(first.0.into()), second: Greedy(second.0.into()), window })
     }
 }
 
 impl Learned {
     /// Its classifiers.
-    pub fn classifiers(&self) -> Vec<&Linear> {
+    pub fn classifiers(&self) -> Vec<&AnyClassifier> {
         match self {
             Learned::Mixture(mixture) => mixture.members().iter().map(|(_, classifier)| classifier).collect(),
             Learned::Ladder(ladder) => ladder.steps().iter().collect(),
@@ -64,7 +76,7 @@ impl Learned {
     }
 
     /// The same with every classifier replaced by what `change` makes of it.
-    pub fn map(self, change: &mut dyn FnMut(Linear) -> Linear) -> Self {
+    pub fn map(self, change: &mut dyn FnMut(AnyClassifier) -> AnyClassifier) -> Self {
         match self {
             Learned::Mixture(mixture) => Learned::Mixture(mixture.map(change)),
             Learned::Ladder(ladder) => Learned::Ladder(ladder.map(change)),
@@ -85,13 +97,13 @@ impl Learned {
             Learned::Mixture(mixture) => {
                 if let [(_, one)] = mixture.members()
                     && reading == Reading::Mean
-                    && one.columns == Columns::Actions
+                    && one.columns() == Columns::Actions
                 {
                     // Its own mean.
                     return Learned::Mixture(mixture.read_as(Reading::default()));
                 }
                 if reading == Reading::Mean
-                    && let Some(mean) = Linear::mean(mixture.members())
+                    && let Some(mean) = AnyClassifier::mean(mixture.members())
                 {
                     return Learned::Mixture(Mixture::of_one(mean));
                 }
@@ -122,8 +134,7 @@ impl<P: Problem> Policy<P> for Learned
 where
     P::Space: Space<View = Features>,
 {
-    type Memory =
-        (MixtureMemory<<Linear as Classifier<Features>>::Memory>, Vec<<Linear as Classifier<Features>>::Memory>);
+    type Memory = (MixtureMemory<NeuralMemory>, Vec<NeuralMemory>);
 
     #[inline]
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
@@ -147,6 +158,9 @@ pub struct About {
     pub trainer: String,
     /// The learner's name and settings.
     pub learner: String,
+    /// How the expert fell short, as on the command line; empty where it did not.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub expert: String,
     /// The number the seed was made from.
     pub seed: u64,
     /// What it was trained on: the path as it was given.
@@ -181,14 +195,14 @@ impl<T: Task> Model<T> {
         let policy = policy.into();
         let classifiers = policy.classifiers();
         let before = encoding.features();
-        let mut moved = encoding.keep(&|feature| classifiers.iter().any(|c| c.weights.row(feature).is_some()))?;
+        let mut moved = encoding.keep(&|feature| classifiers.iter().any(|c| c.weights().row(feature).is_some()))?;
         // The features of a second stage stand behind the task's.
-        let most = classifiers.iter().map(|c| c.weights.features()).max().unwrap_or(0);
+        let most = classifiers.iter().map(|c| c.weights().features()).max().unwrap_or(0);
         moved.extend(before as u32..most as u32);
         let (first, after) = (encoding.features(), moved);
         let policy = policy.map(&mut |classifier| {
-            let more = classifier.weights.features() - before;
-            Linear { weights: classifier.weights.renumber(&after[..first + more]), ..classifier }
+            let more = classifier.weights().features() - before;
+            classifier.map_weights(|weights| weights.renumber(&after[..first + more]))
         });
         Ok(Model { encoding, policy, about, temperatures: Vec::new() })
     }
@@ -223,6 +237,6 @@ impl<T: Task> Model<T> {
 
     /// The columns of the classifiers: what they score.
     pub fn columns(&self) -> Columns {
-        self.policy.classifiers().first().map_or(Columns::Actions, |c| c.columns)
+        self.policy.classifiers().first().map_or(Columns::Actions, |c| c.columns())
     }
 }

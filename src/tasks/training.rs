@@ -67,8 +67,8 @@ impl Trainer {
             Trainer::Aggrevate(trainer) => trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from),
             Trainer::Lols(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::LolsOnline(trainer) => trainer.train_online(problem, learner, run)?.map(Learned::from),
-            Trainer::Stacked(trainer) => trainer.train(problem, learner, run)?.map(Learned::Stacked),
-            Trainer::EarlyUpdate(trainer) => trainer.train(problem, run)?.map(Learned::Beam),
+            Trainer::Stacked(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::EarlyUpdate(trainer) => trainer.train(problem, run)?.map(Learned::from),
         })
     }
 

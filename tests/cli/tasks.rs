@@ -219,3 +219,67 @@ fn refusals() {
     let message = folder.refused_on("tag --model maps.m", "aa\n1,1 -> 3,1\n");
     assert!(message.contains("<stdin>:2:8: 3,1 is not on the map"), "{message}");
 }
+
+/// A net is trained, kept, told of, and used like any other classifier.
+#[test]
+fn nets_from_the_command_line() {
+    let folder = Folder::new();
+    folder.put("t", stars(30));
+    for algorithm in ["dagger-online", "smile", "forward", "stacked"] {
+        folder.run(&format!(
+            "train --task graph --data t --model m -q --learner net --units 8 --rate 0.05 --algorithm {algorithm}"
+        ));
+        let score = folder.json("evaluate --model m --data t --json");
+        assert!(score["right_nodes"].as_u64().expect("a count") > 120, "{algorithm}: {score}");
+        let told = folder.json("inspect m --json");
+        assert!(told["about"]["learner"].as_str().expect("text").starts_with("{\"net\":{\"units\":8"), "{told}");
+    }
+    for (line, expected) in [
+        ("--learner net --units 65537", "--units is 65537, but must be at most 65536"),
+        ("--learner net --l2 0.1", "--l2 is given, but must be left out: net has no such setting"),
+        ("--learner net --cost 1", "--cost is given"),
+        ("--units 3", "--units is given, but must be left out: logistic has no such setting"),
+        ("--learner net --passes 2", "--passes is given, but must be left out: dagger-online makes one pass a round"),
+    ] {
+        let message = folder.refused(&format!("train --task graph --data t --model x {line}"));
+        assert!(message.contains(expected), "{line}: {message}");
+    }
+}
+
+/// Flawed experts are told of, and tell in what is learned.
+#[test]
+fn experts_from_the_command_line() {
+    let folder = Folder::new();
+    folder.put("t", maps(0, 30));
+    let train = "train --task navigation --data t --model m -q --costs 1,9";
+    for expert in ["noisy:0.2", "suboptimal:0.2", "silent:0.5"] {
+        let report = folder.json(&format!("{train} --json --expert {expert}"));
+        assert_eq!(report["about"]["expert"], expert);
+        assert!(folder.run("inspect m").contains(&format!("\nexpert          {expert}\n")));
+    }
+    folder.run(&format!("{train} --expert none"));
+    assert!(!folder.run("inspect m").contains("\nexpert   "));
+    // Half of the answers are missing: fewer labels are billed.
+    let labels = |line: &str| {
+        folder.json(&format!("{line} --json --algorithm supervised"))["about"]["ledger"]["labels"].as_f64()
+    };
+    let (all, half) =
+        (labels(train).expect("a count"), labels(&format!("{train} --expert silent:0.5")).expect("a count"));
+    assert!(half > 0.0 && half < all, "{half} of {all}");
+    let table = folder.json("compare --task navigation --data t --costs 1,9 -q --expert noisy:0.1 --json");
+    assert_eq!(table["expert"], "noisy:0.1");
+    for (line, expected) in [
+        ("--expert drunk:0.1", "expert is drunk:0.1, but must be none, noisy:P, suboptimal:P or silent:P"),
+        ("--expert noisy:2", "expert is 2, but must be from 0 to 1"),
+        (
+            "--expert noisy:0.1 --algorithm aggrevate",
+            "--expert is given, but must be left out: aggrevate asks what actions cost",
+        ),
+    ] {
+        let message = folder.refused(&format!("{train} {line}"));
+        assert!(message.contains(expected), "{line}: {message}");
+    }
+    folder.put("g", stars(5));
+    let message = folder.refused("train --task graph --data g --model x -q --expert suboptimal:0.1");
+    assert!(message.contains("the states of this task have no signatures"), "{message}");
+}

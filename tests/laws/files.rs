@@ -66,7 +66,7 @@ fn small_models() -> Vec<Vec<u8>> {
     let stacked = Stacking { folds: 2, window: 1 }.train(&problem, learner, &Run::new(1)).unwrap();
     let beam = EarlyUpdate { width: 2, rounds: 2 }.train(&problem, &Run::new(1)).unwrap();
     let (mixture, ladder) = (Learned::from(smile.policy), Learned::from(forward.policy));
-    [mixture, ladder, Learned::Stacked(stacked.policy), Learned::Beam(beam.policy)]
+    [mixture, ladder, Learned::from(stacked.policy), Learned::from(beam.policy)]
         .map(|p| Tagger::new(encoding.clone(), p, About::default()).unwrap().to_bytes())
         .into()
 }

@@ -6,11 +6,11 @@ use crate::common::{
 use proptest::collection::vec;
 use proptest::prelude::*;
 use rollin::learner::{Examples, Learner, Logistic, Online, Perceptron, Setting, Target};
-use rollin::policy::{Classifier, Greedy, Ladder, Linear, Mixture, Policy, Reading};
+use rollin::policy::{Classifier, Greedy, Ladder, Mixture, Policy, Reading};
 use rollin::roll::perform;
 use rollin::space::{Action, Actions, Episode, FeatureTable, Features, Problem, Sight, Space};
-use rollin::tasks::AnyLearner;
 use rollin::tasks::tagging::{Learned, TaggingProblem, Trainer};
+use rollin::tasks::{AnyClassifier, AnyLearner};
 use rollin::trainer::Run;
 use rollin::worker::Worker;
 use rollin::{Purpose, Seed};
@@ -189,7 +189,7 @@ fn ladders_go_step_by_step() {
     assert_eq!((done.actions, ledger.expert_acts), ([2, 1, 2, 3].map(Action).to_vec(), 3));
 }
 
-fn scores(classifier: &Linear, problem: &TaggingProblem, row: u32, dynamic: Vec<u32>) -> Vec<f32> {
+fn scores(classifier: &AnyClassifier, problem: &TaggingProblem, row: u32, dynamic: Vec<u32>) -> Vec<f32> {
     let view = Features { row, dynamic, ..Features::default() };
     let legal = Actions::All(problem.space.actions() as u32);
     let sight = Sight { shared: problem.space.shared(), view: &view, legal };
@@ -206,7 +206,7 @@ fn the_mean_classifier_scores_the_mean() {
             let Learned::Mixture(mixture) = trainer.train(&problem, learner, &Run::new(1)).unwrap().policy else {
                 panic!("{trainer:?} trains no mixture")
             };
-            let mean = Linear::mean(mixture.members()).expect("the columns are actions");
+            let mean = AnyClassifier::mean(mixture.members()).expect("the columns are actions");
             let features = problem.space.shared().features();
             for row in 0..problem.space.shared().rows() as u32 {
                 let key = Seed::new(u64::from(row));
@@ -227,7 +227,7 @@ fn the_mean_classifier_scores_the_mean() {
     // Counts of beaten rivals have no such mean.
     let wap = trainers()[2].train(&problem, &learners()[3], &Run::new(1)).unwrap().policy;
     let Learned::Mixture(mixture) = wap else { panic!("SMILe trains a mixture") };
-    assert!(Linear::mean(mixture.members()).is_none() && Linear::mean(&[]).is_none());
+    assert!(AnyClassifier::mean(mixture.members()).is_none() && AnyClassifier::mean(&[]).is_none());
 }
 
 proptest! {

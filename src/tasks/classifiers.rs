@@ -1,0 +1,83 @@
+//! The classifiers that the learners of the program make.
+
+use crate::policy::{Classifier, Columns, Linear, Neural, NeuralMemory, Weights};
+use crate::space::{Action, Features, Sight};
+
+/// A classifier of one of the kinds that [`AnyLearner`](super::AnyLearner) makes and model files keep.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyClassifier {
+    /// A linear one.
+    Linear(Linear),
+    /// A net of one hidden layer.
+    Net(Neural),
+}
+
+impl From<Linear> for AnyClassifier {
+    fn from(linear: Linear) -> Self {
+        AnyClassifier::Linear(linear)
+    }
+}
+
+impl From<Neural> for AnyClassifier {
+    fn from(net: Neural) -> Self {
+        AnyClassifier::Net(net)
+    }
+}
+
+impl AnyClassifier {
+    /// The weights of the features: those of a net are its input layer's, a column a unit.
+    pub fn weights(&self) -> &Weights {
+        match self {
+            AnyClassifier::Linear(linear) => &linear.weights,
+            AnyClassifier::Net(net) => &net.input.weights,
+        }
+    }
+
+    /// The same with other weights of the features.
+    pub fn map_weights(self, change: impl FnOnce(Weights) -> Weights) -> Self {
+        let changed = |linear: Linear| Linear { weights: change(linear.weights), ..linear };
+        match self {
+            AnyClassifier::Linear(linear) => AnyClassifier::Linear(changed(linear)),
+            AnyClassifier::Net(net) => AnyClassifier::Net(Neural { input: changed(net.input), ..net }),
+        }
+    }
+
+    /// What the columns of a linear one are; a net scores actions.
+    pub fn columns(&self) -> Columns {
+        match self {
+            AnyClassifier::Linear(linear) => linear.columns,
+            AnyClassifier::Net(_) => Columns::Actions,
+        }
+    }
+
+    /// The one linear classifier that scores as the mean of these, where there is one: see [`Linear::mean`].
+    pub fn mean(members: &[(f64, AnyClassifier)]) -> Option<AnyClassifier> {
+        let linear = members.iter().map(|(weight, member)| match member {
+            AnyClassifier::Linear(linear) => Some((*weight, linear)),
+            AnyClassifier::Net(_) => None,
+        });
+        let members: Vec<(f64, &Linear)> = linear.collect::<Option<_>>()?;
+        Linear::mean(&members).map(AnyClassifier::Linear)
+    }
+}
+
+impl Classifier<Features> for AnyClassifier {
+    /// A linear classifier keeps its own as that of an input layer.
+    type Memory = NeuralMemory;
+
+    #[inline]
+    fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut NeuralMemory) -> &'m [f32] {
+        match self {
+            AnyClassifier::Linear(linear) => linear.scores(sight, &mut memory.input),
+            AnyClassifier::Net(net) => net.scores(sight, memory),
+        }
+    }
+
+    #[inline]
+    fn choose(&self, sight: &Sight<'_, Features>, memory: &mut NeuralMemory) -> Action {
+        match self {
+            AnyClassifier::Linear(linear) => linear.choose(sight, &mut memory.input),
+            AnyClassifier::Net(net) => net.choose(sight, memory),
+        }
+    }
+}
