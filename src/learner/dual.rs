@@ -2,7 +2,7 @@
 
 use super::{Examples, Lesson, Setting, Target};
 use crate::index::Index;
-use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, votes};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best};
 use crate::space::{Action, FeatureTable, Features, Sight, StoredFeatures};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -128,13 +128,7 @@ impl Steps {
     ) -> Action {
         let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
         self.score(fixed, dynamic);
-        let choice = match self.columns {
-            Columns::Actions => sight.legal.best(&self.scores),
-            columns => {
-                votes(columns, self.actions, &self.scores, sight.legal, &mut self.votes);
-                sight.legal.best(&self.votes)
-            }
-        };
+        let choice = best(self.columns, self.actions, &self.scores, sight.legal, &mut self.votes);
         if let Some(target) = target {
             self.change((fixed, dynamic), Lesson { actions: self.actions, legal: sight.legal, target }, step);
         }

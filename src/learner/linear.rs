@@ -1,7 +1,7 @@
 //! What all linear learners share: passes over the examples, descent along a gradient in the columns, averaging.
 
 use super::{Examples, Learner, Online, Setting, Target};
-use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, votes};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, Features, Sight};
 use rand::seq::SliceRandom;
@@ -241,13 +241,7 @@ impl<R: Rule> Online<Features> for R {
     fn learn(&self, course: &mut Course, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
         let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
         course.score(fixed, dynamic);
-        let choice = match course.columns {
-            Columns::Actions => sight.legal.best(&course.scores),
-            columns => {
-                votes(columns, course.actions, &course.scores, sight.legal, &mut course.votes);
-                sight.legal.best(&course.votes)
-            }
-        };
+        let choice = best(course.columns, course.actions, &course.scores, sight.legal, &mut course.votes);
         if let Some(target) = target {
             course.learn(self, fixed, dynamic, sight.legal, target);
         }

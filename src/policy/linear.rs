@@ -471,7 +471,7 @@ pub(crate) fn tournament(
 
 /// The scores of actions from columns that are not theirs: how many legal others each beats in pairs, who is champion of the tree, or the
 /// sum over the bits.
-pub(crate) fn votes(of: Columns, actions: usize, columns: &[f32], legal: Actions<'_>, votes: &mut Vec<f32>) {
+fn votes(of: Columns, actions: usize, columns: &[f32], legal: Actions<'_>, votes: &mut Vec<f32>) {
     if of == Columns::Bits {
         return Outputs::Bits.scores(actions, columns, votes);
     }
@@ -489,6 +489,16 @@ pub(crate) fn votes(of: Columns, actions: usize, columns: &[f32], legal: Actions
             votes[better as usize] += 1.0;
         }
     }
+}
+
+/// The legal action that these `columns`, which stand for `of`, are best for; `scratch` is for votes.
+#[inline]
+pub(crate) fn best(of: Columns, actions: usize, columns: &[f32], legal: Actions<'_>, scratch: &mut Vec<f32>) -> Action {
+    if of == Columns::Actions {
+        return legal.best(columns);
+    }
+    votes(of, actions, columns, legal, scratch);
+    legal.best(scratch)
 }
 
 impl Classifier<Features> for Linear {

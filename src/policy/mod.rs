@@ -13,7 +13,7 @@ mod value;
 pub use calibrated::Calibrated;
 pub use ladder::Ladder;
 pub use linear::{Columns, Linear, LinearMemory, Weights};
-pub(crate) use linear::{tournament, votes};
+pub(crate) use linear::{best, tournament};
 pub use mixture::{Member, Mixture, MixtureMemory, Reading};
 pub(crate) use neural::forward;
 pub use neural::{Layer, Neural, NeuralMemory, Rows};
