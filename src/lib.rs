@@ -59,6 +59,7 @@ mod index;
 pub mod learner;
 pub mod output;
 pub mod policy;
+pub mod prelude;
 pub mod read;
 pub mod report;
 pub mod roll;

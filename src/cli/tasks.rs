@@ -114,7 +114,7 @@ pub trait Verbs: Task {
 impl Verbs for tagging::Encoding {
     fn settings(options: &Reading, data: &Corpus) -> Result<tagging::Settings> {
         Ok(tagging::Settings {
-            template: options.template(data)?,
+            template: Some(options.template(data)?),
             labels: options.labels(),
             order: options.mending().order,
         })

@@ -12,6 +12,24 @@ use nom::{IResult, Parser, sequence::preceded};
 use std::io::BufRead;
 use std::path::Path;
 
+impl Corpus {
+    /// Reads the corpus in a file: [`read_file`].
+    ///
+    /// # Errors
+    /// As [`parse`], and when the file cannot be read.
+    pub fn read(path: impl AsRef<Path>) -> Result<Corpus> {
+        read_file(path)
+    }
+
+    /// The corpus that is `text`: [`parse`].
+    ///
+    /// # Errors
+    /// As [`parse`], with the place in `<text>`.
+    pub fn parse(text: impl AsRef<[u8]>) -> Result<Corpus> {
+        parse(text.as_ref(), "<text>".as_ref(), 1)
+    }
+}
+
 /// Reads the corpus in the file at `path`.
 ///
 /// # Errors

@@ -1,5 +1,5 @@
 //! Experts that are less than perfect, made of one that is: wrong now and then ([`Noisy`]), wrong always in the same places
-//! ([`Suboptimal`]), silent at some states ([`Partly`]); and a [`Person`] who is asked.
+//! ([`Suboptimal`]), silent at some states ([`Partly`]); a function ([`By`]), and a [`Person`] who is asked.
 //!
 //! An expert's chance is keyed like all others: [`Expert::answer`] is given the node of the step at hand, so the same seed
 //! brings the same answers at any number of threads, and roll-outs that share their randomness share the expert's mistakes, too. Which of them it is to be
@@ -34,6 +34,26 @@ fn other<S: Space>(space: &S, state: &S::State, right: Action, seed: Seed) -> Ac
     let Some(place) = legal.place(right).filter(|_| legal.len() > 1) else { return right };
     let drawn = (seed.unit() * (legal.len() - 1) as f64) as usize;
     legal.nth(if drawn < place { drawn } else { drawn + 1 })
+}
+
+/// A plain function as an expert: what it says is best, or nothing.
+///
+/// ```
+/// use rollin::prelude::*;
+/// use rollin::space::{doc::{Follow, Moment, RealWorld}, experts::By};
+///
+/// let expert = By(|world: &RealWorld, moment: &Moment| Follow.action(world, moment));
+/// let problem = Imitation { space: RealWorld, expert, episodes: 20 };
+/// assert_eq!(Smile::default().train(&problem, &Perceptron::default(), &Run::new(1))?.ledger.labels, 7 * 200);
+/// # Ok::<(), rollin::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct By<F>(pub F);
+
+impl<S: Space, F: Fn(&S, &S::State) -> Option<Action> + Sync> Expert<S> for By<F> {
+    fn action(&self, space: &S, state: &S::State) -> Option<Action> {
+        (self.0)(space, state)
+    }
 }
 
 /// An expert whose answer is wrong with probability `wrong`, and then any other legal action. It errs anew at every visit: asked again

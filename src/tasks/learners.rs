@@ -32,6 +32,13 @@ pub enum AnyLearner {
     Net(Net),
 }
 
+/// [`Logistic`].
+impl Default for AnyLearner {
+    fn default() -> Self {
+        AnyLearner::Logistic(Logistic::default())
+    }
+}
+
 /// An [`AnyLearner`] in the middle of learning. It goes on with a learner of the kind that began it: one of another kind panics, as that is
 /// a mistake in a program and never one in its input.
 pub enum AnyCourse {

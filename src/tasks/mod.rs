@@ -14,6 +14,7 @@ pub mod navigation;
 pub mod ocr;
 pub mod parsing;
 pub mod platformer;
+mod recipe;
 pub mod segmenting;
 pub mod tabular;
 pub mod tagging;
@@ -25,6 +26,7 @@ pub use file::{Arrays, MOST_UNITS, task_of};
 pub(crate) use file::{opened, put_rows, sealed, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
+pub use recipe::Recipe;
 pub use training::Trainer;
 
 use crate::error::Result;

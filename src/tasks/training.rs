@@ -44,6 +44,13 @@ pub enum Trainer {
     EarlyUpdate(EarlyUpdate),
 }
 
+/// [`Dagger`], online.
+impl Default for Trainer {
+    fn default() -> Self {
+        Trainer::DaggerOnline(Dagger::default())
+    }
+}
+
 impl Trainer {
     /// Trains on `problem` with `learner`, which [`Trainer::EarlyUpdate`] leaves alone.
     ///

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use rollin::corpus::Corpus;
 use rollin::read::conll;
 use rollin::report::{Axis, Dot, Figure, Matrix, Page, Plot, Series, escaped, evenly};
-use rollin::tasks::tagging::{self, LabelColumn};
+use rollin::tasks::tagging;
 use rollin::tasks::{AnyLearner, Learned, Task, Trainer};
 use rollin::trainer::{Cpi, Rate, Run, Searn, Smile};
 use roxmltree::{Document, Node, ParsingOptions};
@@ -261,7 +261,7 @@ fn what_cannot_be_written_is_refused_first() {
 fn weights_are_those_that_are_trained() {
     let corpus: Corpus = conll::parse(b"a A\nb B\n\nb B\na A\n", "<test>".as_ref(), 1).expect("a corpus");
     let template = rollin::read::template::Template::default_for(1);
-    let settings = tagging::Settings { template, labels: LabelColumn::Last, order: None };
+    let settings = tagging::Settings { template: Some(template), ..tagging::Settings::default() };
     let (_, problem) = <tagging::Encoding as Task>::learn(&corpus, settings).expect("it can be learned from");
     let learner = AnyLearner::Perceptron(rollin::learner::Perceptron::default());
     for trainer in [

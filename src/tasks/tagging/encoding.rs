@@ -88,9 +88,10 @@ pub struct Encoding {
 }
 
 /// What to learn from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LabelColumn {
     /// The last column.
+    #[default]
     Last,
     /// This one, from 0.
     At(usize),

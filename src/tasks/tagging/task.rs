@@ -12,7 +12,7 @@ use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Done, Fact, Learned, Measure, Model, Task, Training, write_labels};
+use crate::tasks::{Arrays, Data, Done, Fact, Learned, Measure, Model, Recipe, Task, Training, write_labels};
 use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -23,6 +23,47 @@ use std::sync::Arc;
 pub type Tagger = Model<Encoding>;
 
 impl Tagger {
+    /// The tagger that `rollin train` makes of `corpus`, whose last column has the labels, where nothing else is asked for: trained by DAgger online with
+    /// logistic regression. A [`Recipe`] asks for something else.
+    ///
+    /// ```
+    /// use rollin::prelude::*;
+    ///
+    /// let corpus = Corpus::parse("the DT\ncat NN\n\nthe DT\ndog NN\n")?;
+    /// let tagger = Tagger::train(&corpus)?;
+    /// assert_eq!(tagger.label(&[["the"], ["dog"]])?, ["DT", "NN"]);
+    /// # Ok::<(), rollin::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When `corpus` has no sentence or no column beside the labels.
+    pub fn train(corpus: &Corpus) -> Result<Tagger> {
+        Recipe::default().train(corpus, Settings::default())
+    }
+
+    /// The labels of one sentence, given as the columns of each token; the labels' own column may be missing where it is the last.
+    /// Of a mixture that is sampled, always the same members are drawn.
+    ///
+    /// # Errors
+    /// When tokens differ in their number of columns, or lack one that the template needs.
+    pub fn label<'t>(&self, tokens: &[impl AsRef<[&'t str]>]) -> Result<Vec<&str>> {
+        let mut corpus = Corpus::new("<sentence>", tokens.first().map_or(0, |token| token.as_ref().len()));
+        for (i, token) in tokens.iter().map(AsRef::as_ref).enumerate() {
+            if token.len() != corpus.columns.len() {
+                let expected = format!("{} as the first token has", columns(corpus.columns.len()));
+                return Err(Error::data(corpus.place(i, 0), columns(token.len()), expected));
+            }
+            corpus.push(token, i + 1);
+        }
+        corpus.end_sentence();
+        if tokens.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.encoding.check_columns(&corpus)?;
+        let labels = self.tag(&corpus, Seed::new(1))?;
+        Ok(labels.into_iter().map(|label| self.encoding.labels[label as usize].as_str()).collect())
+    }
+
     /// The labels of all tokens of `corpus`, as numbers into [`Encoding::labels`]. Only a mixture that is sampled draws from `seed`.
     ///
     /// # Errors
@@ -48,10 +89,10 @@ impl Tagger {
 }
 
 /// What a tagger learns with.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// The feature template.
-    pub template: Template,
+    /// The feature template; by default one that looks at all columns before the labels'.
+    pub template: Option<Template>,
     /// The column with the labels.
     pub labels: LabelColumn,
     /// Which label may follow which; by default what the labels suggest.
@@ -68,6 +109,18 @@ pub struct Header {
     order: Order,
     features: usize,
     contexts: Vec<usize>,
+}
+
+/// How many columns the default template may look at: those before the labels.
+fn before_labels(corpus: &Corpus, labels: LabelColumn) -> Result<usize> {
+    match labels.in_corpus(corpus)? {
+        0 => Err(Error::argument(
+            "label column",
+            0,
+            "above 0, or come with a template: the default one looks at the columns before it",
+        )),
+        columns => Ok(columns),
+    }
 }
 
 impl Task for Encoding {
@@ -94,7 +147,11 @@ impl Task for Encoding {
     }
 
     fn learn(corpus: &Corpus, settings: Settings) -> Result<(Self, Imitation<Tagging, Gold>)> {
-        let (encoding, space) = Encoding::learn(corpus, settings.labels, settings.template, settings.order)?;
+        let template = match settings.template {
+            Some(template) => template,
+            None => Template::default_for(before_labels(corpus, settings.labels)?),
+        };
+        let (encoding, space) = Encoding::learn(corpus, settings.labels, template, settings.order)?;
         Ok((encoding, space.problem()))
     }
 
