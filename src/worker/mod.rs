@@ -16,7 +16,8 @@ pub use visit::Visit;
 
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Episode, Gather, Problem, Space, StateOf, ViewOf};
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use visit::Kind;
 
 /// Runs episodes of a problem one at a time; owns the scratch that they share.
@@ -70,6 +71,20 @@ impl<'p, P: Problem> Worker<'p, P> {
 /// Episodes per shard, the unit of work of a thread, where there are many of them.
 const SHARD: usize = 16;
 
+/// Gives the next number, until there is none.
+type Take<'a> = dyn FnMut() -> Option<usize> + 'a;
+
+/// Calls `work` on the threads of the current rayon pool, each of which takes numbers below `count`, every one once, until none is left. That this is not
+/// generic saves a thread pool's machinery for every kind of sweep.
+fn spread(count: usize, work: &(dyn Fn(&mut Take<'_>) + Sync)) {
+    let next = AtomicUsize::new(0);
+    let work = || work(&mut || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < count));
+    rayon::scope(|scope| {
+        (1..count.min(rayon::current_num_threads())).for_each(|_| scope.spawn(|_| work()));
+        work();
+    });
+}
+
 /// Runs `episodes`, each keyed by `seed` and its number, on all threads of the current rayon pool.
 ///
 /// `run` is given a worker, the thread's memory (scratch that must not influence results) and the gathering to add to. What
@@ -86,26 +101,24 @@ where
     G: Gather,
 {
     // Few episodes are long ones. How they are cut must not depend on the threads, because sums do depend on it.
-    let shard = (episodes.len() / SHARD).clamp(1, SHARD);
-    let shards: Vec<(G, Ledger)> = episodes
-        .par_chunks(shard)
-        .map_init(
-            || (ViewOf::<P>::default(), M::default()),
-            |(view, memory), shard| {
-                let mut worker = Worker { problem, ledger: Ledger::default(), view: std::mem::take(view) };
-                let mut gathered = G::default();
-                for &index in shard {
-                    let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
-                    run(&mut worker, memory, episode, &mut gathered);
-                }
-                *view = worker.view;
-                (gathered, worker.ledger)
-            },
-        )
-        .collect();
+    let shards: Vec<&[usize]> = episodes.chunks((episodes.len() / SHARD).clamp(1, SHARD)).collect();
+    let done: Mutex<Vec<Option<(G, Ledger)>>> = Mutex::new(shards.iter().map(|_| None).collect());
+    spread(shards.len(), &|take| {
+        let mut worker = Worker::new(problem);
+        let mut memory = M::default();
+        while let Some(shard) = take() {
+            worker.ledger = Ledger::default();
+            let mut gathered = G::default();
+            for &index in shards[shard] {
+                let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
+                run(&mut worker, &mut memory, episode, &mut gathered);
+            }
+            done.lock().unwrap_or_else(PoisonError::into_inner)[shard] = Some((gathered, worker.ledger));
+        }
+    });
     let mut gathered = G::default();
     let mut ledger = Ledger::default();
-    for (shard, bill) in shards {
+    for (shard, bill) in done.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten() {
         gathered.absorb(shard);
         ledger += bill;
     }
