@@ -351,8 +351,8 @@ impl<'a> Arrays<'a> {
     }
 }
 
-/// A model file with this body.
-pub(crate) fn sealed(body: Vec<u8>) -> Vec<u8> {
+/// The bytes of a model file with this body: a head with its length and checksum before it. [`Model::to_bytes`] does so itself.
+pub fn sealed(body: Vec<u8>) -> Vec<u8> {
     [head(body.len(), checksum(&body)), body].concat()
 }
 

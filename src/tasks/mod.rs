@@ -22,8 +22,8 @@ mod training;
 
 pub use classifiers::AnyClassifier;
 pub use confidence::Done;
-pub use file::{Arrays, MOST_UNITS, task_of};
-pub(crate) use file::{opened, put_rows, sealed, take_rows};
+pub use file::{Arrays, MOST_UNITS, sealed, task_of};
+pub(crate) use file::{opened, put_rows, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
 pub use recipe::Recipe;
