@@ -14,6 +14,8 @@ mod inspect;
 mod options;
 mod progress;
 mod report;
+#[cfg(feature = "serve")]
+mod serve;
 mod tag;
 mod tasks;
 mod theory;
@@ -90,6 +92,9 @@ enum Command {
     Experiment(experiment::Experiment),
     /// Let what an experiment learned play a game, and write a page to watch it
     Drive(drive::Drive),
+    /// Serve a model over HTTP
+    #[cfg(feature = "serve")]
+    Serve(serve::Serve),
 }
 
 /// Runs the program with the arguments of the process.
@@ -121,6 +126,8 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Theory(command) => command.run(&cli.global),
         Command::Experiment(command) => command.run(&cli.global),
         Command::Drive(command) => command.run(&cli.global),
+        #[cfg(feature = "serve")]
+        Command::Serve(command) => command.run(&cli.global),
     }
 }
 

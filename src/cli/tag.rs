@@ -35,7 +35,7 @@ pub struct Tag {
 const BLOCK: usize = 65_536;
 
 /// A block, its corpus if it is not blank, and how many sentences came before it.
-type Read<T> = (Block, Option<<T as Task>::Data>, usize);
+pub type Read<T> = (Block, Option<<T as Task>::Data>, usize);
 
 impl Tag {
     pub fn run(&self, global: &Global) -> Result<()> {
@@ -86,7 +86,8 @@ impl Tag {
                     },
                 }
             }
-            let answers: Vec<Result<Vec<u8>>> = read.into_par_iter().map(|read| answer(&model, read, global)).collect();
+            let seed = Seed::new(global.seed);
+            let answers: Vec<Result<Vec<u8>>> = read.into_par_iter().map(|read| answer(&model, read, seed)).collect();
             for answer in answers {
                 out.write_all(&answer?).map_err(closed)?;
             }
@@ -97,17 +98,17 @@ impl Tag {
 }
 
 /// What is written for a block.
-fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, global: &Global) -> Result<Vec<u8>> {
+pub fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, seed: Seed) -> Result<Vec<u8>> {
     let mut actions = Vec::new();
     if let Some(data) = &data {
         let space = model.encoding.apply(data)?;
-        actions = model.perform(space, data.sentences(), before, Seed::new(global.seed));
+        actions = model.perform(space, data.sentences(), before, seed);
     }
     let mut text = Vec::with_capacity(2 * block.bytes.len());
     let answered = data.as_ref().map(|data| (data, &actions[..]));
     model.encoding.write(&block, answered, &mut text).map_err(closed)?;
     let Some(data) = &data else { return Ok(text) };
-    let Some(sure) = model.sure(data, &actions, before, Seed::new(global.seed))? else { return Ok(text) };
+    let Some(sure) = model.sure(data, &actions, before, seed)? else { return Ok(text) };
     // What was written has the same lines: each of a token gets one column more.
     let lines = model.encoding.lines(data, &actions);
     let columns = lines.iter().map(|(line, action)| (*line, format!("{:.4}", sure[*action])));

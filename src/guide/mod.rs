@@ -30,6 +30,9 @@ pub mod theorems {}
 #[doc = include_str!("speed.md")]
 pub mod speed {}
 
+#[doc = include_str!("serving.md")]
+pub mod serving {}
+
 #[doc = include_str!("from_crfsuite.md")]
 pub mod from_crfsuite {}
 

@@ -1,0 +1,175 @@
+//! `rollin serve`
+
+mod app;
+mod metrics;
+mod model;
+
+use super::options::read;
+use super::{Global, print};
+use crate::error::{Error, Result};
+use app::{App, Limits};
+use clap::Args;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::GracefulShutdown;
+use hyper_util::service::TowerToHyperService;
+use model::Served;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::Semaphore;
+
+/// Serve a model over HTTP: POST /tag, GET /health, GET /metrics, POST /reload, and a page to try it at /.
+///
+/// POST /tag takes what `rollin tag` reads and answers what it writes, or, with content type application/json, {"sentences": [["the", "cat"]]} for one
+/// column and {"sentences": [[["the", "DT"], ["cat", "NN"]]]} for more, answered by {"sentences": [{"labels": ["DT", "NN"]}]}; ?confidence, or
+/// "confidence": true, tells how sure each label is. SIGHUP and POST /reload read the model file again; requests on the way are answered by the model
+/// that was there when they came. SIGTERM and Ctrl-C answer what has come and end.
+#[derive(Args)]
+pub struct Serve {
+    /// The model file
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Where to listen; port 0 is any that is free, and what it is stands on standard output
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
+    listen: SocketAddr,
+    /// A file with the token that requests must bring (Authorization: Bearer TOKEN); a must where others than this machine can reach the address
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+    /// The largest body of a request, in bytes; a larger one is answered by 413
+    #[arg(long, value_name = "BYTES", default_value_t = 1 << 20)]
+    body_limit: usize,
+    /// Seconds a request may take, its arrival included; then it is answered by 408, or cut off if not even its head has come
+    #[arg(long, value_name = "SECONDS", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    time_limit: u64,
+    /// Requests that may be in progress or wait; one more is answered by 503
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    queue: u32,
+    /// Connections that may be open; others wait until one is closed
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    connections: u32,
+}
+
+/// How long requests in progress may take after the end was asked for.
+const FAREWELL: Duration = Duration::from_secs(30);
+
+impl Serve {
+    pub fn run(&self, global: &Global) -> Result<()> {
+        global.refuse_json("what is served is JSON already")?;
+        let token = self.token_file.as_deref().map(token).transpose()?;
+        if token.is_none() && !self.listen.ip().is_loopback() {
+            let expected = "a loopback address, or come with a --token-file: others can reach it";
+            return Err(Error::argument("--listen", self.listen, expected));
+        }
+        let model = Served::load(&self.model, global.seed)?;
+        let threads = rayon::current_num_threads();
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(threads)
+            .enable_all()
+            .build()
+            .map_err(|error| Error::io("start", "the server", error))?;
+        let limits = Limits {
+            body: self.body_limit,
+            time: Duration::from_secs(self.time_limit),
+            queue: self.queue as usize,
+            threads,
+        };
+        runtime.block_on(self.serve(App::new(model, token, limits)))
+    }
+
+    /// Answers until the end is asked for, and then what has come.
+    async fn serve(&self, app: App) -> Result<()> {
+        let refused = |error| Error::io("listen on", self.listen.to_string(), error);
+        let listener = TcpListener::bind(self.listen).await.map_err(refused)?;
+        let address = listener.local_addr().map_err(refused)?;
+        print(&format!("listening on http://{address}\n"))?;
+        let app = Arc::new(app);
+        let seats = Arc::new(Semaphore::new(self.connections as usize));
+        let graceful = GracefulShutdown::new();
+        tokio::spawn(reload_on_hangup(app.clone()));
+        let mut end = std::pin::pin!(asked_to_end());
+        loop {
+            let accepted = async {
+                let seat = seats.clone().acquire_owned().await;
+                (listener.accept().await, seat)
+            };
+            tokio::select! {
+                () = &mut end => break,
+                (stream, seat) = accepted => match stream {
+                    Ok((stream, _)) => {
+                        let connection = graceful.watch(self.connection(stream, app.clone()));
+                        tokio::spawn(async move {
+                            // Whoever hangs up is not our error.
+                            let _ = connection.await;
+                            drop(seat);
+                        });
+                    }
+                    // Too many open files, or a client that is gone already: there will be others.
+                    Err(_) => tokio::time::sleep(Duration::from_millis(10)).await,
+                },
+            }
+        }
+        drop(listener);
+        // What is still unanswered then will not be.
+        let _ = tokio::time::timeout(FAREWELL, graceful.shutdown()).await;
+        Ok(())
+    }
+
+    /// What answers the requests of one connection.
+    fn connection(
+        &self,
+        stream: TcpStream,
+        app: Arc<App>,
+    ) -> impl hyper_util::server::graceful::GracefulConnection + use<> {
+        let _ = stream.set_nodelay(true);
+        let service = TowerToHyperService::new(app::routes(app));
+        hyper::server::conn::http1::Builder::new()
+            .timer(TokioTimer::new())
+            .header_read_timeout(Duration::from_secs(self.time_limit))
+            .serve_connection(TokioIo::new(stream), service)
+    }
+}
+
+/// The token in a file.
+fn token(path: &std::path::Path) -> Result<String> {
+    let text = String::from_utf8_lossy(&read(path)?).trim().to_owned();
+    let fit = text.len() >= 16 && text.bytes().all(|byte| byte.is_ascii_graphic());
+    if fit {
+        Ok(text)
+    } else {
+        Err(Error::file(path, "no token", "write one of at least 16 printable ASCII characters into it"))
+    }
+}
+
+/// Done when SIGTERM or SIGINT comes.
+async fn asked_to_end() {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
+            tokio::select! {
+                _ = terminate.recv() => {}
+                _ = tokio::signal::ctrl_c() => {}
+            }
+            return;
+        }
+    }
+    let _ = tokio::signal::ctrl_c().await;
+}
+
+/// Reads the model file again whenever SIGHUP comes; what is wrong with it is said on standard error, and the model stays.
+async fn reload_on_hangup(app: Arc<App>) {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        let Ok(mut hangup) = signal(SignalKind::hangup()) else { return };
+        while hangup.recv().await.is_some() {
+            if let Err(error) = app.reload().await {
+                eprintln!("error: {error}; the model stays as it was");
+            }
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = app;
+}

@@ -1,0 +1,182 @@
+//! A model of any task, as a server knows it.
+
+use crate::cli::tag;
+use crate::cli::tasks::{read_model, with_task};
+use crate::error::{Error, Result};
+use crate::read::conll::Block;
+use crate::seed::Seed;
+use crate::tasks::{Data, Model, Task};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// A model that is being served, and where it came from.
+pub struct Served {
+    path: PathBuf,
+    seed: u64,
+    tagger: Box<dyn Tags>,
+    /// What it is, for /health.
+    pub about: Value,
+    /// Whether its actions are labels of tokens, so that JSON can be asked for and how sure it is.
+    pub labels: bool,
+    /// Whether it was calibrated.
+    pub calibrated: bool,
+}
+
+/// Does what `rollin tag` does.
+trait Tags: Send + Sync {
+    /// The lines of `text` again with what the model says, and how sure it is if `sure`; and how many tokens there were.
+    fn tag(&self, text: Vec<u8>, sure: bool, seed: u64) -> Result<(Vec<u8>, usize)>;
+}
+
+/// A model, and the same without temperatures.
+struct Both<T> {
+    sure: Model<T>,
+    plain: Model<T>,
+}
+
+impl<T: Task> Tags for Both<T> {
+    fn tag(&self, text: Vec<u8>, sure: bool, seed: u64) -> Result<(Vec<u8>, usize)> {
+        let model = if sure { &self.sure } else { &self.plain };
+        let block = Block { bytes: text, first_line: 1 };
+        let data = model.encoding.parse_block(&block, "<request>".as_ref(), &mut T::Stream::default())?;
+        let tokens = data.as_ref().map_or(0, Data::tokens);
+        Ok((tag::answer(model, (block, data, 0), Seed::new(seed))?, tokens))
+    }
+}
+
+impl Served {
+    /// The model in the file at `path`.
+    pub fn load(path: &Path, seed: u64) -> Result<Self> {
+        let (bytes, task) = read_model(path)?;
+        with_task!(task, T => {
+            let sure = Model::<T>::from_bytes(&bytes, path)?;
+            let about = json!({
+                "status": "ok",
+                "model": path,
+                "task": T::NAME,
+                "features": sure.encoding.features(),
+                "trainer": sure.about.trainer,
+                "learner": sure.about.learner,
+                "trained_on": sure.about.data,
+                "calibrated": !sure.temperatures.is_empty(),
+            });
+            let (labels, calibrated) = (T::CONFIDENT, !sure.temperatures.is_empty());
+            let mut plain = sure.clone();
+            plain.temperatures.clear();
+            Ok(Served { path: path.to_owned(), seed, tagger: Box::new(Both { sure, plain }), about, labels, calibrated })
+        })
+    }
+
+    /// The same file, read again.
+    pub fn again(&self) -> Result<Self> {
+        Served::load(&self.path, self.seed)
+    }
+
+    /// Refuses to say how sure it is where it does not know.
+    fn check(&self, sure: bool) -> Result<()> {
+        if sure && !self.calibrated {
+            return Err(Error::argument("confidence", "asked for", "left out: the model was not calibrated"));
+        }
+        Ok(())
+    }
+
+    /// What `rollin tag` writes for `text`, and how many tokens there were.
+    pub fn text(&self, text: Vec<u8>, sure: bool) -> Result<(Vec<u8>, usize)> {
+        self.check(sure)?;
+        self.tagger.tag(text, sure, self.seed)
+    }
+
+    /// The labels of sentences, and how many tokens there were.
+    pub fn sentences(&self, request: &Request) -> Result<(Answer, usize)> {
+        if !self.labels {
+            return Err(Error::argument(
+                "content type",
+                "application/json",
+                "text/plain: the model's actions are not labels of tokens",
+            ));
+        }
+        self.check(request.confidence)?;
+        let (tagged, tokens) = self.tagger.tag(request.text()?, request.confidence, self.seed)?;
+        let tagged = String::from_utf8_lossy(&tagged).into_owned();
+        let mut lines = tagged.lines();
+        let sentences = request.sentences.iter().map(|sentence| {
+            let mut labelled = Labelled::default();
+            for line in lines.by_ref().take(sentence.len()) {
+                let mut cells = line.rsplit(['\t', ' ']);
+                if request.confidence {
+                    labelled.confidence.extend(cells.next().and_then(|cell| cell.parse::<f64>().ok()));
+                }
+                labelled.labels.extend(cells.next().map(str::to_owned));
+            }
+            lines.next(); // the blank one
+            labelled
+        });
+        Ok((Answer { sentences: sentences.collect() }, tokens))
+    }
+}
+
+/// What is asked for as JSON.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    sentences: Vec<Vec<Token>>,
+    #[serde(default)]
+    pub confidence: bool,
+}
+
+/// A token: its word where there is one column, or its columns.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Token {
+    Word(String),
+    Columns(Vec<String>),
+}
+
+impl Token {
+    fn columns(&self) -> &[String] {
+        match self {
+            Token::Word(word) => std::slice::from_ref(word),
+            Token::Columns(columns) => columns,
+        }
+    }
+}
+
+impl Request {
+    /// The sentences as lines of columns between tabs.
+    fn text(&self) -> Result<Vec<u8>> {
+        let mut text = String::new();
+        for (s, sentence) in self.sentences.iter().enumerate() {
+            if sentence.is_empty() {
+                return Err(Error::instance(format!("sentences[{s}]"), "no token", "at least one").within("<request>"));
+            }
+            for (t, token) in sentence.iter().enumerate() {
+                let columns = token.columns();
+                let fit = |word: &String| !word.is_empty() && !word.contains([' ', '\t', '\n', '\r', '\0']);
+                if columns.is_empty() || !columns.iter().all(fit) {
+                    let at = format!("sentences[{s}][{t}]");
+                    let expected = "words that are not empty and have no space, tab, line's end or NUL in them";
+                    return Err(Error::instance(at, format!("{columns:?}"), expected).within("<request>"));
+                }
+                text.push_str(&columns.join("\t"));
+                text.push('\n');
+            }
+            text.push('\n');
+        }
+        Ok(text.into_bytes())
+    }
+}
+
+/// What is answered as JSON.
+#[derive(Serialize)]
+pub struct Answer {
+    sentences: Vec<Labelled>,
+}
+
+/// A sentence's labels, and how sure each is where that was asked for.
+#[derive(Default, Serialize)]
+struct Labelled {
+    labels: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    confidence: Vec<f64>,
+}
