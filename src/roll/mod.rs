@@ -199,7 +199,7 @@ where
 }
 
 /// Makes an example of the state at `visit` and the `costs` of its legal actions; `shifted` is scratch.
-pub fn record_costs<P: Problem>(
+pub(crate) fn record_costs<P: Problem>(
     visit: &mut Visit<'_, P>,
     costs: &[f64],
     shifted: &mut Vec<f32>,
