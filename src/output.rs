@@ -8,8 +8,12 @@ use tempfile::NamedTempFile;
 /// Checks that a file can be written to `path`, by making one beside it that is gone at once. What takes long asks first.
 ///
 /// # Errors
-/// When the system refuses, or a directory stands at `path`.
+/// When the system refuses, a directory stands at `path`, or `path` is `-`: standard output takes what a command has to say.
 pub fn check_writable(path: &Path) -> Result<()> {
+    if path == Path::new("-") {
+        let problem = "a file is to be written, and standard output has the report";
+        return Err(Error::file(path, problem, "give a name, or ./- for a file of this name"));
+    }
     if path.is_dir() {
         return Err(Error::io("write", path, io::ErrorKind::IsADirectory.into()));
     }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::read::attributes::Items;
 use crate::read::conll::{Block, Blocks};
 use crate::read::template::Template;
-use crate::read::{conllu, crfsuite, vw};
+use crate::read::{conllu, crfsuite, input, vw};
 use crate::tasks::tagging::{Columns, LabelColumn, Order};
 use clap::{Args, ValueEnum};
 use std::io::{self, BufRead, BufWriter, Write};
@@ -27,9 +27,9 @@ pub struct Convert {
     /// The format that is written
     #[arg(long, value_enum, value_name = "FORMAT")]
     to: Format,
-    /// What to read [default: standard input]
-    #[arg(long, value_name = "FILE")]
-    data: Option<PathBuf>,
+    /// What to read (- for standard input)
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    data: PathBuf,
     /// The feature template that makes attributes of columns
     #[arg(long, value_name = "FILE")]
     template: Option<PathBuf>,
@@ -85,13 +85,7 @@ impl Convert {
                 return Err(Error::argument(name, "given", "left out: it is for making attributes of columns"));
             }
         }
-        match &self.data {
-            Some(path) => {
-                let file = std::fs::File::open(path).map_err(|source| Error::io("read", path, source))?;
-                self.convert(io::BufReader::with_capacity(1 << 16, file), path)
-            }
-            None => self.convert(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), "<stdin>".as_ref()),
-        }
+        self.convert(input::open(&self.data)?, input::name(&self.data))
     }
 
     fn convert(&self, input: impl BufRead, path: &Path) -> Result<()> {

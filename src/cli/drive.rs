@@ -1,11 +1,11 @@
 //! `rollin drive`
 
 use super::experiment::{GameName, Place};
-use super::options::read;
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::experiment::{Driver, Filmed, NetOf, replay};
 use crate::output::{check_writable, write_whole};
+use crate::read::input;
 use crate::seed::Seed;
 use crate::space::Space;
 use clap::Args;
@@ -69,7 +69,7 @@ impl Drive {
 
 /// The policy in the file at `path`, and its name.
 fn driver<G: Filmed>(game: &G, path: &Path) -> Result<(String, Driver<NetOf<G>>)> {
-    let bytes = read(path)?;
+    let bytes = input::raw(path)?;
     let (driver, about) =
         Driver::from_bytes::<G::View>(&bytes, path, (G::NAME, game.space().shared(), game.space().actions()))?;
     Ok((about, driver))

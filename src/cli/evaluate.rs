@@ -6,6 +6,7 @@ use super::tasks::{Verbs, read_model, with_task};
 use super::{Global, closed, print, print_json};
 use crate::error::Result;
 use crate::learner::calibration_error;
+use crate::read::input;
 use crate::report::{Figure, Matrix, Page, Table};
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Score};
@@ -16,7 +17,7 @@ use std::path::PathBuf;
 /// UAS and LAS, for handwriting letters and words, for graphs their nodes, for maps the path cost ratio, for tabular problems the exact expected cost.
 #[derive(Args)]
 pub struct Evaluate {
-    /// The model file
+    /// The model file (- for standard input)
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// The corpus, with the right labels (- for standard input)
@@ -39,7 +40,7 @@ impl Evaluate {
     pub fn run(&self, global: &Global) -> Result<()> {
         let (bytes, task) = read_model(&self.model)?;
         self.report.check(&[&self.model, &self.data])?;
-        with_task!(task, T => self.run_with(Model::<T>::from_bytes(&bytes, &self.model)?, global))
+        with_task!(task, T => self.run_with(Model::<T>::from_bytes(&bytes, input::name(&self.model))?, global))
     }
 
     fn run_with<T: Verbs>(&self, mut model: Model<T>, global: &Global) -> Result<()> {

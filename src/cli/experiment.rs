@@ -1,12 +1,12 @@
 //! `rollin experiment`
 
-use super::options::read;
 use super::progress::Work;
 use super::report::{ReportOptions, Sources};
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::experiment::{Filmed, Lab, Plan, Platforming, Racing, Scale, claims, page, text};
 use crate::output::{check_writable, write_whole};
+use crate::read::input;
 use crate::seed::Seed;
 use crate::tasks::kart::Tracks;
 use crate::tasks::platformer::Levels;
@@ -99,7 +99,7 @@ impl Experiment {
 
     fn run_on<G: Filmed>(&self, game: &G, mut plan: Plan, global: &Global) -> Result<()> {
         if let Some(path) = &self.plan {
-            let parsed = serde_json::from_slice(&read(path)?);
+            let parsed = serde_json::from_slice(&input::bytes(path)?);
             plan = parsed.map_err(|error| Error::file(path, error.to_string(), "give a plan.json of --resume"))?;
         }
         if let Some(name) = self.methods.iter().find(|name| plan.methods.iter().all(|method| method.name != **name)) {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Draw tagged sentences from a grammar: one token a line, word and tag, a blank line after each sentence.
 #[derive(Args)]
 pub struct Generate {
-    /// The grammar file
+    /// The grammar file (- for standard input)
     #[arg(long, value_name = "FILE")]
     grammar: PathBuf,
     /// How many sentences

@@ -4,6 +4,7 @@ use super::tasks::{read_model, with_task};
 use super::train::to_json;
 use super::{Global, print, print_json};
 use crate::error::Result;
+use crate::read::input;
 use crate::report::{Table, grouped};
 use crate::tasks::{Learned, Model, Task};
 use clap::Args;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 /// Tell what is in a model file.
 #[derive(Args)]
 pub struct Inspect {
-    /// The model file
+    /// The model file (- for standard input)
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 }
@@ -20,7 +21,7 @@ pub struct Inspect {
 impl Inspect {
     pub fn run(&self, global: &Global) -> Result<()> {
         let (bytes, task) = read_model(&self.model)?;
-        with_task!(task, T => self.tell(&Model::<T>::from_bytes(&bytes, &self.model)?, global))
+        with_task!(task, T => self.tell(&Model::<T>::from_bytes(&bytes, input::name(&self.model))?, global))
     }
 
     fn tell<T: Task>(&self, model: &Model<T>, global: &Global) -> Result<()> {

@@ -4,27 +4,18 @@ use super::tasks::Verbs;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Net, Perceptron, Svm, Wap};
+use crate::read::input;
 use crate::read::template::Template;
 use crate::tasks::graph::Visit;
 use crate::tasks::tagging::{self, LabelColumn, Order};
 use crate::tasks::{AnyLearner, Data, MOST_UNITS, Task};
 use clap::{Args, ValueEnum};
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Reads a corpus from a file, or from standard input where `path` is `-`.
+/// Reads a corpus from a file, packed or not, or from standard input where `path` is `-`.
 pub fn read_corpus<T: Task>(path: &Path) -> Result<T::Data> {
-    if path != Path::new("-") {
-        return T::parse(&read(path)?, path);
-    }
-    let mut text = Vec::new();
-    std::io::stdin().lock().read_to_end(&mut text).map_err(|error| Error::io("read", "<stdin>", error))?;
-    T::parse(&text, "<stdin>".as_ref())
-}
-
-/// The bytes of a file.
-pub fn read(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|source| Error::io("read", path, source))
+    T::parse(&input::bytes(path)?, input::name(path))
 }
 
 /// How a corpus is understood.

@@ -4,6 +4,7 @@ use super::train::same_file;
 use super::{Global, print};
 use crate::error::{Error, Result};
 use crate::output::{check_writable, write_whole};
+use crate::read::input;
 use crate::report::{Axis, Dot, Figure, Page, Plot, Series, evenly};
 use clap::Args;
 use sha2::{Digest, Sha256};
@@ -63,7 +64,7 @@ impl ReportOptions {
         for (what, path) in read.files {
             let sum = match path.to_str() {
                 Some("-") => "standard input, which is not kept: no checksum".to_owned(),
-                _ => sha256(&super::options::read(path)?),
+                _ => sha256(&input::raw(path)?),
             };
             page.fact(what, format!("{}: {sum}", path.display()));
         }

@@ -5,12 +5,13 @@ use super::tasks::{read_model, with_task};
 use super::{Global, closed};
 use crate::error::{Error, Result};
 use crate::read::conll::{Block, Blocks};
+use crate::read::input;
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Task, write_labels};
 use clap::Args;
 use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Tag, parse, read or go through standard input. A tagger prints every line again with the label as a further last column; blank lines are kept.
 ///
@@ -40,6 +41,9 @@ pub type Read<T> = (Block, Option<<T as Task>::Data>, usize);
 impl Tag {
     pub fn run(&self, global: &Global) -> Result<()> {
         global.refuse_json("tag writes the lines it reads")?;
+        if self.model.as_os_str() == "-" {
+            return Err(Error::argument("--model", "-", "a file: standard input has the lines to be tagged"));
+        }
         let (bytes, task) = read_model(&self.model)?;
         with_task!(task, T => {
             let model = Model::<T>::from_bytes(&bytes, &self.model)?;
@@ -63,9 +67,9 @@ impl Tag {
         } else {
             model.temperatures.clear();
         }
-        let path = Path::new("<stdin>");
+        let path = input::name("-".as_ref());
         let (mut stream, mut sentences) = (T::Stream::default(), 0);
-        let mut blocks = Blocks::new(io::BufReader::with_capacity(1 << 16, io::stdin().lock()), BLOCK);
+        let mut blocks = Blocks::new(input::open("-")?, BLOCK);
         let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
         let mut going = true;
         while going {

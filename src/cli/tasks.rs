@@ -1,9 +1,10 @@
 //! The tasks as the command line knows them.
 
 use super::compare::Both;
-use super::options::{Mending, Reading, SystemName, no_such_setting, read};
+use super::options::{Mending, Reading, SystemName, no_such_setting};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
+use crate::read::input;
 use crate::tasks::{Task, graph, navigation, ocr, parsing, segmenting, tabular, tagging, task_of};
 use clap::ValueEnum;
 use std::path::Path;
@@ -67,7 +68,8 @@ pub(crate) use with_task;
 
 /// The bytes of a model file, and the task it is for.
 pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
-    let bytes = read(path)?;
+    let bytes = input::raw(path)?;
+    let path = input::name(path);
     let name = task_of(&bytes, path)?;
     match TaskName::from_str(&name, false) {
         Ok(task) => Ok((bytes, task)),

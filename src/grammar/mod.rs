@@ -49,6 +49,7 @@ mod graph;
 mod tests;
 mod wide;
 
+use crate::read::input;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -157,10 +158,10 @@ impl Grammar {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the file cannot be read or is not UTF-8, else as [`Grammar::parse`].
+    /// If the file cannot be read or is not UTF-8 ([`input::text`]), else as [`Grammar::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        let text = std::fs::read_to_string(&path).map_err(|source| Error::io("read", &path, source))?;
-        Grammar::parse(path, &text)
+        let path = path.as_ref();
+        Grammar::parse(input::name(path), &input::text(path)?)
     }
 
     /// All words, by index.

@@ -7,6 +7,7 @@
 
 use crate::corpus::{Column, Corpus, MARK};
 use crate::error::{Error, Place, Result};
+use crate::read::input;
 use memchr::{memchr, memchr_iter};
 use nom::{IResult, Parser, sequence::preceded};
 use std::io::BufRead;
@@ -36,7 +37,7 @@ impl Corpus {
 /// As [`parse`], and when the file cannot be read.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Corpus> {
     let path = path.as_ref();
-    parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path, 1)
+    parse(&input::bytes(path)?, input::name(path), 1)
 }
 
 /// The corpus that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1

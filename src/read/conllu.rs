@@ -18,6 +18,7 @@
 pub use columns::write_columns;
 
 use crate::error::{Error, Place, Result};
+use crate::read::input;
 use memchr::memchr;
 use nom::branch::alt;
 use nom::bytes::complete::tag;
@@ -80,7 +81,7 @@ pub struct Arc<'a> {
 /// As [`parse`], and when the file cannot be read.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Treebank> {
     let path = path.as_ref();
-    parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path, 1)
+    parse(&input::bytes(path)?, input::name(path), 1)
 }
 
 /// The treebank that is `text`, in time linear in its length. `first_line` is the number of the first line in `path`: 1 but for a

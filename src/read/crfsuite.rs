@@ -20,6 +20,7 @@
 use super::attributes::{Items, ONE, check, is_label, is_one, some};
 use super::conll::Source;
 use crate::error::{Error, Result};
+use crate::read::input;
 use nom::branch::alt;
 use nom::bytes::complete::{take_while, take_while1};
 use nom::character::complete::{char, one_of};
@@ -37,7 +38,7 @@ use std::path::Path;
 /// As [`parse`], and when the file cannot be read.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Items> {
     let path = path.as_ref();
-    parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path, 1)
+    parse(&input::bytes(path)?, input::name(path), 1)
 }
 
 /// The items that are `text`, in time linear in its length. `first_line` is the number of the first line in `path`.

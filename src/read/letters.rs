@@ -9,6 +9,7 @@ mod words;
 pub use words::{COLUMNS, LETTERS, Letters, PIXELS, ROWS, UNKNOWN};
 
 use crate::error::{Error, Place, Result};
+use crate::read::input;
 use memchr::memchr;
 use nom::character::complete::{char, one_of, satisfy, u64 as number};
 use nom::combinator::{eof, verify};
@@ -24,7 +25,7 @@ const HEAD: &[u8] = b"word_id\tposition\tfold\tletter\tbits";
 /// As [`parse`], and when the file cannot be read.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Letters> {
     let path = path.as_ref();
-    parse(&std::fs::read(path).map_err(|source| Error::io("read", path, source))?, path)
+    parse(&input::bytes(path)?, input::name(path))
 }
 
 /// The letters that are `text`, which was read from `path`.

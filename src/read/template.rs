@@ -61,6 +61,7 @@ mod spell;
 pub use plan::{ABSENT, Bound, Numbered};
 pub use spell::Speller;
 
+use super::input;
 use crate::corpus::{Corpus, MARK};
 use crate::error::{Error, Place, Result};
 use pattern::{Line, Part};
@@ -190,14 +191,7 @@ impl Template {
     /// As [`Template::parse`], and when the file cannot be read or is not UTF-8.
     pub fn read_file(path: impl AsRef<Path>) -> Result<Template> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::io("read", path, source))?;
-        match std::str::from_utf8(&bytes) {
-            Ok(text) => Template::parse(text, path),
-            Err(error) => {
-                let place = Place::of(path, &bytes, error.valid_up_to());
-                Err(Error::data(place, "a byte that is not UTF-8", "text in UTF-8"))
-            }
-        }
+        Template::parse(&input::text(path)?, input::name(path))
     }
 
     /// A template for corpora of which `columns` columns are observed: words in the first, tags or classes of any kind

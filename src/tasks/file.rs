@@ -15,6 +15,7 @@ use super::{AnyClassifier, Task};
 use crate::error::{Error, Result};
 use crate::output::write_whole;
 use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Neural, Outputs, Reading, Weights};
+use crate::read::input;
 use crate::space::Stacked;
 use crate::trainer::{Beam, MOST_WIDTH, MOST_WINDOW, TwoStage};
 use serde::de::DeserializeOwned;
@@ -207,8 +208,7 @@ impl<T: Task> Model<T> {
     /// When the file cannot be read, is no model, of another version, cut short or damaged.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::io("read", path, source))?;
-        Model::from_bytes(&bytes, path)
+        Model::from_bytes(&input::raw(path)?, input::name(path))
     }
 
     /// Reads a model from the bytes of a file, which `path` names in errors.

@@ -21,10 +21,10 @@ use super::closed::SLOWEST;
 use super::mdp::{Mdp, Parts, same};
 use super::table::Table;
 use crate::error::{Error, Place, Result};
+use crate::read::input;
 use ndarray::{Array1, Array2, Array3};
 use serde::Deserialize;
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 /// The largest file that is read, in bytes: an instance of a few hundred states fits many times over.
@@ -96,11 +96,7 @@ impl Instance {
     /// and column; a value that cannot be, with its JSON path.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        if path == Path::new("-") {
-            return Instance::read_from("<stdin>", std::io::stdin().lock());
-        }
-        let file = File::open(path).map_err(|error| Error::io("read", path, error))?;
-        Instance::read_from(path, BufReader::new(file))
+        Instance::read_from(input::name(path), input::open(path)?)
     }
 
     /// Reads an instance from `input`, calling it `path` in errors.

@@ -5,6 +5,7 @@ mod convert;
 mod good;
 mod large;
 mod ocr;
+mod packed;
 mod refusals;
 mod spans;
 mod tasks;

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::grammar::Grammar;
 use crate::read::grammar::Tree;
+use crate::read::input;
 use crate::read::track::{Section, sections};
 use crate::seed::{Purpose, Seed};
 use std::f64::consts::TAU;
@@ -82,8 +83,8 @@ impl Tracks {
     /// # Errors
     /// When the file cannot be read, else as [`Tracks::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        let text = std::fs::read_to_string(&path).map_err(|source| Error::io("read", &path, source))?;
-        Tracks::parse(path, &text)
+        let path = path.as_ref();
+        Tracks::parse(input::name(path), &input::text(path)?)
     }
 
     /// A track of `length` metres, which hangs below `seed`.

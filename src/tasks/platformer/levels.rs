@@ -6,6 +6,7 @@ use super::tiles::{COLUMNS, ROWS, Tile};
 use crate::error::{Error, Result};
 use crate::grammar::Grammar;
 use crate::read::grammar::{Item, Name, Tree};
+use crate::read::input;
 use crate::seed::{Purpose, Seed};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -115,10 +116,10 @@ impl Levels {
     /// The levels described in the file `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read or is not UTF-8, else as [`Levels::parse`].
+    /// If the file cannot be read or is not UTF-8 ([`input::text`]), else as [`Levels::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        let text = std::fs::read_to_string(&path).map_err(|source| Error::io("read", &path, source))?;
-        Levels::parse(path, &text)
+        let path = path.as_ref();
+        Levels::parse(input::name(path), &input::text(path)?)
     }
 
     /// The levels described by `text`, which came from `path`.
