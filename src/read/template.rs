@@ -59,7 +59,7 @@ mod regex;
 mod spell;
 
 pub use plan::{ABSENT, Bound, Numbered};
-pub use spell::Speller;
+pub use spell::{HOLE, Speller};
 
 use super::input;
 use crate::corpus::{Corpus, MARK};
@@ -164,12 +164,8 @@ impl Template {
     }
 
     /// Adds the features of one pattern.
-    fn add(&mut self, kind: char, mut parts: Vec<Part>, pad: Option<(&str, &str)>) {
-        if kind != 'B' {
-            self.add_line(kind, &parts, pad);
-        }
-        if kind != 'U' {
-            parts.push(Part::Label(-1));
+    fn add(&mut self, kind: char, parts: Vec<Part>, pad: Option<(&str, &str)>) {
+        for parts in pattern::features(kind, parts) {
             self.add_line(kind, &parts, pad);
         }
     }

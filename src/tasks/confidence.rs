@@ -93,7 +93,7 @@ where
     calibrate(classifier, Setting::of(problem), examples).temperature
 }
 
-/// Goes the same ways again; at step t the probability of the action is the weighted mean of those of the `members`, which are among `calibrated`.
+/// At step t of the same ways the probability of the action is the weighted mean of those of the `members`, which are among `calibrated`.
 fn replay<P: Problem, I: IntoIterator<Item = (f64, usize)>>(
     problem: &P,
     done: Done<'_>,
@@ -103,7 +103,7 @@ fn replay<P: Problem, I: IntoIterator<Item = (f64, usize)>>(
 where
     P::Space: Space<View = Features>,
 {
-    let (mut worker, mut sure) = (Worker::new(problem), Vec::with_capacity(done.actions.len()));
+    let mut sure = Vec::with_capacity(done.actions.len());
     let mut memories: Vec<NeuralMemory> = calibrated.iter().map(|_| NeuralMemory::default()).collect();
     let mut probabilities = Vec::new();
     let mut probability = |visit: &mut Visit<'_, P>, action: Action| {
@@ -116,13 +116,20 @@ where
         }
         mean.min(1.0) as f32
     };
+    retrace(problem, done, |visit, action| sure.push(probability(visit, action)));
+    sure
+}
+
+/// Goes the same ways again: `see` is shown each state and the action that was taken there.
+pub(super) fn retrace<P: Problem>(problem: &P, done: Done<'_>, mut see: impl FnMut(&mut Visit<'_, P>, Action)) {
+    let mut worker = Worker::new(problem);
+    let mut actions = done.actions.iter();
     for index in 0..problem.episodes() {
         let seed = done.seed.child(Purpose::Episode, (done.number + index) as u64);
         worker.episode(Episode { index, seed }, |visit| {
-            let action = *done.actions.get(sure.len())?;
-            sure.push(probability(visit, action));
+            let action = *actions.next()?;
+            see(visit, action);
             Some(action)
         });
     }
-    sure
 }

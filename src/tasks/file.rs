@@ -155,7 +155,31 @@ impl Shape {
     }
 }
 
+/// How many bytes each part of a model file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Parts {
+    /// What it says of itself: the first lines.
+    pub header: usize,
+    /// The task's arrays: eight bytes a number.
+    pub dictionaries: usize,
+    /// Which features have weights, for each classifier: four bytes a number.
+    pub features: usize,
+    /// Their weights, and whatever else a classifier has: four bytes a number.
+    pub weights: usize,
+}
+
 impl<T: Task> Model<T> {
+    /// The parts of the file of `size` bytes that the model was read from.
+    pub fn parts(&self, size: usize) -> Parts {
+        let classifiers = self.policy.classifiers();
+        let rows = |c: &&AnyClassifier| c.weights().len();
+        let dictionaries = 8 * self.encoding.arrays().iter().map(|array| array.len()).sum::<usize>();
+        let features = 4 * classifiers.iter().map(rows).sum::<usize>();
+        let weights = |c: &&AnyClassifier| rows(c) * c.weights().columns() + beside(c).len();
+        let weights = 4 * classifiers.iter().map(weights).sum::<usize>();
+        Parts { header: size.saturating_sub(dictionaries + features + weights), dictionaries, features, weights }
+    }
+
     /// The model as the bytes of a file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let classifiers = self.policy.classifiers();

@@ -5,6 +5,7 @@
 
 mod classifiers;
 mod confidence;
+mod explain;
 mod file;
 pub mod graph;
 pub mod kart;
@@ -22,7 +23,8 @@ mod training;
 
 pub use classifiers::AnyClassifier;
 pub use confidence::Done;
-pub use file::{Arrays, MOST_UNITS, sealed, task_of};
+pub use explain::{Names, Reason, Share};
+pub use file::{Arrays, MOST_UNITS, Parts, sealed, task_of};
 pub(crate) use file::{opened, put_rows, take_rows};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
@@ -104,6 +106,40 @@ pub trait Task: Sized + Send + Sync {
     /// How sure `policy` was of what it did in all `episodes` of `space` by [`Task::perform`].
     fn sure(policy: &Learned, space: Self::Space, episodes: usize, done: Done<'_>) -> Vec<f32> {
         policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
+    }
+
+    /// Whether its features have names, so that it can be told why a policy did what it did.
+    const NAMED: bool = false;
+
+    /// What tells the names of the features that occur in `data`: models keep hashes only, and a text from which the names can be had again is mostly at
+    /// hand. None are known unless [`Task::NAMED`].
+    ///
+    /// # Errors
+    /// As [`Task::apply`].
+    fn names(&self, data: &Self::Data) -> Result<Names<'_>> {
+        let _ = data;
+        Ok(Box::new(|_| None))
+    }
+
+    /// What an action says: a label, where actions are labels, else its number.
+    fn label(&self, action: Action) -> String {
+        action.0.to_string()
+    }
+
+    /// The features that show nothing but the one action before: that action, none at the start, and the feature's number.
+    fn transitions(&self) -> Vec<(Option<Action>, u32)> {
+        Vec::new()
+    }
+
+    /// Why `policy` did what it did in all `episodes` of `space` by [`Task::perform`]; `None` where that is no sum of weights ([`Learned::sums`]).
+    fn reasons(policy: &Learned, space: Self::Space, episodes: usize, done: Done<'_>) -> Option<Vec<Reason>> {
+        policy.reasons_from(&Imitation { space, expert: Silent, episodes }, done)
+    }
+
+    /// The words of sentence `i` of `data`, each with its line, in the order in which [`Task::answers`] tells of them; none where a text has no such thing.
+    fn words<'a>(&self, data: &'a Self::Data, i: usize) -> Vec<(usize, &'a str)> {
+        let _ = (data, i);
+        Vec::new()
     }
 
     /// For each token of `data` the line it stands on and which of `actions` says what it is; nothing unless [`Task::CONFIDENT`].

@@ -34,6 +34,17 @@ pub(super) enum Part {
     Label(i32),
 }
 
+/// What the features of a pattern are made of: it says so itself, or one looks at the label before as well, or there are both.
+pub(super) fn features(kind: char, parts: Vec<Part>) -> Vec<Vec<Part>> {
+    let further = (kind != 'U').then(|| [&parts[..], &[Part::Label(-1)]].concat());
+    (kind != 'B').then_some(parts).into_iter().chain(further).collect()
+}
+
+/// Whether one of them is a label.
+pub(super) fn looks_back(parts: &[Part]) -> bool {
+    parts.iter().any(|part| matches!(part, Part::Label(_)))
+}
+
 /// Which token of the sentence a cell belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Row {

@@ -4,6 +4,9 @@ use super::pattern::{self, Line, Part, Row};
 use crate::corpus::{Corpus, MARK};
 use std::ops::Range;
 
+/// Stands for a label in a feature that looks at one. No corpus has it.
+pub const HOLE: char = '\0';
+
 /// A template applied to a corpus, to spell out its features.
 ///
 /// ```
@@ -20,33 +23,45 @@ use std::ops::Range;
 pub struct Speller<'a> {
     corpus: &'a Corpus,
     patterns: Vec<(char, Vec<Part>)>,
+    /// Those that look at labels.
+    history: Vec<(char, Vec<Part>)>,
     pad: Option<(String, String)>,
 }
 
 impl<'a> Speller<'a> {
     /// The template that is `text`, which was parsed before, for a corpus that has all its columns.
     pub(super) fn new(text: &str, corpus: &'a Corpus) -> Self {
-        let (mut patterns, mut pad) = (Vec::new(), None);
+        let (mut patterns, mut history, mut pad) = (Vec::new(), Vec::new(), None);
         for line in text.strip_prefix(MARK).unwrap_or(text).split('\n') {
             match pattern::line(line.trim_ascii_end()) {
                 Ok(Line::Pad { before, after }) => pad = Some((before, after)),
-                // A `B` is one about labels, and so is whatever has a label in it.
-                Ok(Line::Pattern { kind, parts })
-                    if kind != 'B' && !parts.iter().any(|part| matches!(part, Part::Label(_))) =>
-                {
-                    patterns.push((kind, parts));
+                Ok(Line::Pattern { kind, parts }) => {
+                    for parts in pattern::features(kind, parts) {
+                        let kinds = if pattern::looks_back(&parts) { &mut history } else { &mut patterns };
+                        kinds.push((kind, parts));
+                    }
                 }
                 _ => {}
             }
         }
-        Speller { corpus, patterns, pad }
+        Speller { corpus, patterns, history, pad }
     }
 
     /// Hands the observation features of `token`, a token of `sentence`, to `tell`, in the template's order: each is its line's first character
     /// and the rest of the line with all commands replaced by what was found.
-    pub fn observe(&self, sentence: &Range<usize>, token: usize, mut tell: impl FnMut(&str)) {
+    pub fn observe(&self, sentence: &Range<usize>, token: usize, tell: impl FnMut(&str)) {
+        self.spell(&self.patterns, sentence, token, tell);
+    }
+
+    /// The same for the history features, in the order of [`Template::history`](super::Template::history): where one looks at a label stand its place and
+    /// [`HOLE`], as in `B:y[-1]=` and the hole.
+    pub fn contexts(&self, sentence: &Range<usize>, token: usize, tell: impl FnMut(&str)) {
+        self.spell(&self.history, sentence, token, tell);
+    }
+
+    fn spell(&self, patterns: &[(char, Vec<Part>)], sentence: &Range<usize>, token: usize, mut tell: impl FnMut(&str)) {
         let mut feature = String::new();
-        for (kind, parts) in &self.patterns {
+        for (kind, parts) in patterns {
             feature.clear();
             feature.push(*kind);
             for part in parts {
@@ -58,7 +73,15 @@ impl<'a> Speller<'a> {
                             Err(pad) => transform.text(&pad),
                         });
                     }
-                    Part::Label(_) => {}
+                    Part::Label(k) => {
+                        // One that is added has nothing that parts it from what stands before.
+                        let gap = match feature.chars().last() {
+                            _ if feature.len() == 1 => ":",
+                            Some(last) if last.is_alphanumeric() => "|",
+                            _ => "",
+                        };
+                        feature.push_str(&format!("{gap}y[{k}]={HOLE}"));
+                    }
                 }
             }
             tell(&feature);

@@ -5,6 +5,7 @@
 
 pub mod doc;
 mod encoding;
+mod names;
 pub mod readings;
 mod repair;
 mod space;

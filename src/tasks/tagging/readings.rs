@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::roll::Performance;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Imitation, Silent, Space};
-use crate::tasks::{Done, Learned, Training};
+use crate::tasks::{Done, Learned, Reason, Training};
 use crate::trainer::{Run, Trained};
 use crate::worker::Ledger;
 
@@ -73,6 +73,16 @@ pub fn sure(policy: &Learned, space: Tagging, done: Done<'_>) -> Vec<f32> {
     }
     let episodes = space.sentences();
     policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
+}
+
+/// Why `policy` did what [`perform`] says it does: of two readings the second.
+pub fn reasons(policy: &Learned, space: Tagging, done: Done<'_>) -> Option<Vec<Reason>> {
+    if let Learned::Readings { first, second } = policy {
+        let (said, _) = perform(first, space.backwards(), done.number, done.seed.child(Purpose::Reading, 0));
+        return reasons(second, space.told(&said.actions), Done { seed: done.seed.child(Purpose::Reading, 1), ..done });
+    }
+    let episodes = space.sentences();
+    policy.reasons_from(&Imitation { space, expert: Silent, episodes }, done)
 }
 
 /// What `policy` does with the sentences of `space`, the first of which has the number `number` in a longer text: in both readings where

@@ -73,6 +73,28 @@ impl HistoryLine {
     }
 }
 
+impl HistoryLine {
+    /// The context and the labels, in the order of `self.labels`, that the feature `number` stands for, one of `labels` each or none; `None` if it is no feature of this
+    /// line, or one that several share.
+    pub(super) fn apart(&self, number: u32, labels: usize) -> Option<(u32, Vec<Option<usize>>)> {
+        let n = number.checked_sub(self.base).filter(|n| self.exact && *n < self.size)?;
+        let (context, mut code) = (u64::from(n) / self.codes, u64::from(n) % self.codes);
+        let mut found = Vec::with_capacity(self.labels.len());
+        for _ in &self.labels {
+            let label = (code % (labels as u64 + 1)) as usize;
+            found.push(Some(label).filter(|label| *label < labels));
+            code /= labels as u64 + 1;
+        }
+        found.reverse();
+        Some((context as u32, found))
+    }
+
+    /// The feature number of `context` with these labels.
+    pub(super) fn feature(&self, context: u32, labels: u64, label: impl Fn(i32) -> u16) -> u32 {
+        self.number(context, self.code(labels, label))
+    }
+}
+
 /// The sentences of a corpus as episodes: one label after the other, left to right, or right to left in a first reading
 /// ([`Tagging::backwards`]). Copies share what is large.
 #[derive(Clone, Debug)]

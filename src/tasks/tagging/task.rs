@@ -12,7 +12,9 @@ use crate::read::template::Template;
 use crate::score::{Scheme, Score};
 use crate::seed::Seed;
 use crate::space::{Action, Imitation};
-use crate::tasks::{Arrays, Data, Done, Fact, Learned, Measure, Model, Recipe, Task, Training, write_labels};
+use crate::tasks::{
+    Arrays, Data, Done, Fact, Learned, Measure, Model, Names, Reason, Recipe, Task, Training, write_labels,
+};
 use crate::trainer::{Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -164,6 +166,30 @@ impl Task for Encoding {
 
     fn perform(policy: &Learned, space: Tagging, _: usize, number: usize, seed: Seed) -> Vec<Action> {
         readings::perform(policy, space, number, seed).0.actions
+    }
+
+    const NAMED: bool = true;
+
+    fn names(&self, corpus: &Corpus) -> Result<Names<'_>> {
+        self.feature_names(corpus)
+    }
+
+    fn label(&self, action: Action) -> String {
+        self.labels.get(action.index()).cloned().unwrap_or_default()
+    }
+
+    fn transitions(&self) -> Vec<(Option<Action>, u32)> {
+        self.label_features()
+    }
+
+    fn reasons(policy: &Learned, space: Tagging, _: usize, done: Done<'_>) -> Option<Vec<Reason>> {
+        readings::reasons(policy, space, done)
+    }
+
+    /// The first column, or the second where labels stand in the first.
+    fn words<'a>(&self, corpus: &'a Corpus, i: usize) -> Vec<(usize, &'a str)> {
+        let Some(column) = corpus.columns.get(usize::from(self.label_column == 0)) else { return Vec::new() };
+        corpus.sentence(i).map(|token| (corpus.lines[token], column.word(token))).collect()
     }
 
     const CONFIDENT: bool = true;
