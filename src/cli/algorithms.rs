@@ -12,17 +12,6 @@ use crate::trainer::{
 };
 use clap::{Args, ValueEnum};
 
-/// Which algorithm for what, at the end of the help.
-pub const RECIPES: &str = "\
-Which algorithm?
-  good labels, quick      dagger-online, or smile with --reuse: they ask for labels only
-  every mistake counts    aggrevate or searn-shortcut with --learner csoaa: they learn what each label costs in the end
-  labels that may be bad  lols-online --learner csoaa --reference 0.5: rolls out with itself as often as with the expert
-  no roll-outs, no expert beside the learner
-                          stacked, early-update: one run of the expert is all they need
-  a gentle start          dagger --schedule exponential:0.5: the expert drives half as often in each round
-  the paper's theory      forward, smile, searn, and cpi --conservative, which never leaves a perfect expert";
-
 /// A trainer's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Algorithm {

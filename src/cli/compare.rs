@@ -1,6 +1,6 @@
 //! `rollin compare`
 
-use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
+use super::algorithms::{Algorithm, TrainerOptions};
 use super::options::{LearnerOptions, Reading, read_corpus};
 use super::progress::Bar;
 use super::report::{ReportOptions, Sources, mixture};
@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 /// Without --data this runs on two corpora that are part of the program, drawn from a grammar, for which the best possible accuracy
 /// is known exactly.
 #[derive(Args)]
-#[command(after_help = RECIPES)]
+#[command(after_help = super::help::compare())]
 pub struct Compare {
     /// What is learned
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 /// anything. From conllu to conll all ten columns of the words are kept, and ten columns are what conllu is made of. A blank in a cell, and in vw also a
 /// colon or a bar, is written as a per cent sign and its code (%20).
 #[derive(Args)]
+#[command(after_help = super::help::convert())]
 pub struct Convert {
     /// The format that is read
     #[arg(long, value_enum, value_name = "FORMAT")]

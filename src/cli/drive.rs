@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Let what an experiment learned play a game, and write a page to watch it: policy and expert side by side, decision by decision.
 #[derive(Args)]
+#[command(after_help = super::help::drive())]
 pub struct Drive {
     /// The game
     #[arg(long, value_enum, value_name = "GAME")]

@@ -1,5 +1,6 @@
 //! `rollin evaluate`
 
+use super::mistakes::Mistakes;
 use super::options::{ReadingName, read_corpus};
 use super::report::{ReportOptions, Sources};
 use super::tasks::{Verbs, read_model, with_task};
@@ -16,6 +17,7 @@ use std::path::PathBuf;
 /// Compare a model's answers with the right ones: token accuracy and, where labels are spans, conlleval's measures per type; for trees
 /// UAS and LAS, for handwriting letters and words, for graphs their nodes, for maps the path cost ratio, for tabular problems the exact expected cost.
 #[derive(Args)]
+#[command(after_help = super::help::evaluate())]
 pub struct Evaluate {
     /// The model file (- for standard input)
     #[arg(long, value_name = "FILE")]
@@ -32,6 +34,9 @@ pub struct Evaluate {
     /// How to choose a label from a mixture of classifiers [default: as the model says]
     #[arg(long, value_enum, value_name = "NAME")]
     reading: Option<ReadingName>,
+    /// Tell the commonest confusions and the sentences with the most wrong words, N of each, as far as the task has such things [default for --errors alone: 5]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5")]
+    errors: Option<usize>,
     #[command(flatten)]
     report: ReportOptions,
 }
@@ -62,6 +67,8 @@ impl Evaluate {
         let right = model.encoding.right(&data, &actions)?;
         let mut answers = Matrix::default();
         model.encoding.answers(&data, &actions, &mut |right, given| answers.add(right, given))?;
+        let mistakes =
+            self.errors.map(|most| Mistakes::of(&model.encoding, &data, &actions, &answers, most)).transpose()?;
         let error = sure.map(|sure| calibration_error(sure.into_iter().zip(right)));
         if global.json {
             let mut report = serde_json::to_value(&score).map_err(|error| closed(error.into()))?;
@@ -71,13 +78,22 @@ impl Evaluate {
             if !answers.is_empty() {
                 report["confusion"] = serde_json::to_value(&answers).map_err(|error| closed(error.into()))?;
             }
+            if let Some(mistakes) = &mistakes {
+                report["errors"] = serde_json::to_value(mistakes).map_err(|error| closed(error.into()))?;
+            }
             print_json(&report)?;
         } else {
             let told = error.map(|error| format!("expected calibration error: {:.2}%\n", 100.0 * error));
-            print(&(score.text() + &told.unwrap_or_default()))?;
+            let mistakes = mistakes.as_ref().map_or_else(String::new, Mistakes::text);
+            print(&(score.text() + &told.unwrap_or_default() + &mistakes))?;
         }
         let read = Sources { files: &[("model", &self.model), ("data", &self.data)], ..Sources::default() };
-        self.report.write(|| page::<T>(&score, error, &answers), global, &read)
+        let page = || {
+            let mut page = page::<T>(&score, error, &answers);
+            page.tables.extend(mistakes.iter().flat_map(Mistakes::tables));
+            page
+        };
+        self.report.write(page, global, &read)
     }
 }
 

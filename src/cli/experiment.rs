@@ -2,6 +2,7 @@
 
 use super::progress::Work;
 use super::report::{ReportOptions, Sources};
+use super::terminal::names;
 use super::{Global, print, print_json};
 use crate::error::{Error, Result};
 use crate::experiment::{Filmed, Lab, Plan, Platforming, Racing, Scale, claims, page, text};
@@ -58,6 +59,7 @@ fn refuse(name: &'static str, file: Option<&Path>, game: &str) -> Result<()> {
 /// Every method is measured after every round on games that nobody trained on. What the paper claims is held against the intervals that come out; a
 /// claim that does not come out is told, and is no error.
 #[derive(Args)]
+#[command(after_help = super::help::experiment())]
 pub struct Experiment {
     /// The game
     #[arg(value_enum, value_name = "GAME")]
@@ -104,7 +106,7 @@ impl Experiment {
         }
         if let Some(name) = self.methods.iter().find(|name| plan.methods.iter().all(|method| method.name != **name)) {
             let known: Vec<&str> = plan.methods.iter().map(|method| method.name.as_str()).collect();
-            return Err(Error::argument("--methods", name, format!("some of {}", known.join(", "))));
+            return Err(Error::argument("--methods", name, format!("some of {}", names(name, &known))));
         }
         plan.methods.retain(|method| self.methods.is_empty() || self.methods.contains(&method.name));
         if let Some(folder) = &self.models {

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 /// Draw tagged sentences from a grammar: one token a line, word and tag, a blank line after each sentence.
 #[derive(Args)]
+#[command(after_help = super::help::generate())]
 pub struct Generate {
     /// The grammar file (- for standard input)
     #[arg(long, value_name = "FILE")]

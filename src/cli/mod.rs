@@ -9,15 +9,20 @@ mod convert;
 mod drive;
 mod evaluate;
 mod experiment;
+mod explain;
 mod generate;
+mod help;
 mod inspect;
+mod mistakes;
 mod options;
 mod progress;
 mod report;
 #[cfg(feature = "serve")]
 mod serve;
+mod shell;
 mod tag;
 mod tasks;
+mod terminal;
 mod theory;
 mod train;
 
@@ -26,15 +31,9 @@ use clap::{Args, Parser, Subcommand};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-const EXAMPLE: &str = "\
-Example:
-  rollin generate --grammar grammars/dialects.grammar --count 1000 > train.txt
-  rollin train --data train.txt --model tagger.model
-  cut -d ' ' -f 1 train.txt | rollin tag --model tagger.model";
-
 /// Structured prediction by learning to search: imitation learning as sequence labelling.
 #[derive(Parser)]
-#[command(name = "rollin", version, propagate_version = true, max_term_width = 110, after_help = EXAMPLE)]
+#[command(name = "rollin", version, propagate_version = true, max_term_width = 110, styles = terminal::STYLES, after_help = help::program())]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -55,7 +54,7 @@ struct Global {
     /// No progress on standard error
     #[arg(long, short, global = true, help_heading = "Every command")]
     quiet: bool,
-    /// One JSON object on standard output in place of text (not for tag, convert and generate)
+    /// One JSON object on standard output in place of text (for tag one a token, with --explain; not for convert, generate, completions and man)
     #[arg(long, global = true, help_heading = "Every command")]
     json: bool,
 }
@@ -95,6 +94,10 @@ enum Command {
     /// Serve a model over HTTP
     #[cfg(feature = "serve")]
     Serve(serve::Serve),
+    /// Write what a shell needs to complete what is typed
+    Completions(shell::Completions),
+    /// Write manual pages
+    Man(shell::Man),
 }
 
 /// Runs the program with the arguments of the process.
@@ -103,8 +106,7 @@ pub fn main() -> ExitCode {
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nobody may be left to read this either.
-            let _ = writeln!(io::stderr(), "error: {error}");
+            terminal::tell("error", &error);
             ExitCode::from(2)
         }
     }
@@ -128,12 +130,14 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Drive(command) => command.run(&cli.global),
         #[cfg(feature = "serve")]
         Command::Serve(command) => command.run(&cli.global),
+        Command::Completions(command) => command.run(&cli.global),
+        Command::Man(command) => command.run(&cli.global),
     }
 }
 
-/// Standard output, whose closing is an error like any other.
+/// Standard output, whose closing is an error like any other. Colours get no further than to a terminal.
 fn print(text: &str) -> Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = anstream::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(closed)
 }
 

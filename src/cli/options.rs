@@ -1,6 +1,7 @@
 //! Options that several commands share.
 
 use super::tasks::Verbs;
+use super::terminal::tell;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Net, Perceptron, Svm, Wap};
@@ -10,7 +11,6 @@ use crate::tasks::graph::Visit;
 use crate::tasks::tagging::{self, LabelColumn, Order};
 use crate::tasks::{AnyLearner, Data, MOST_UNITS, Task};
 use clap::{Args, ValueEnum};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Reads a corpus from a file, packed or not, or from standard input where `path` is `-`.
@@ -145,9 +145,9 @@ impl Mending {
     pub fn mend_column(self, corpus: &mut Corpus, column: usize) -> Result<()> {
         if self.repair {
             let mended = tagging::repair(corpus, column, self.order)?;
-            mended.iter().take(TOLD).for_each(|mended| note(mended));
+            mended.iter().take(TOLD).for_each(|mended| tell("note", mended));
             if mended.len() > TOLD {
-                note(&format!("{}: {} more labels were changed", corpus.path.display(), mended.len() - TOLD));
+                tell("note", &format!("{}: {} more labels were changed", corpus.path.display(), mended.len() - TOLD));
             }
         } else if self.order.is_none() {
             let (illegal, order) = tagging::illegal(corpus, column, None);
@@ -157,21 +157,18 @@ impl Mending {
                     1 => String::new(),
                     n => format!(" and {} more", n - 1),
                 };
-                note(&format!(
-                    "{place}: label {label}{more} may not stand there by {}, so any label may follow any; --repair mends this, \
+                tell(
+                    "note",
+                    &format!(
+                        "{place}: label {label}{more} may not stand there by {}, so any label may follow any; --repair mends this, \
                      --order free wants it so",
-                    order.name()
-                ));
+                        order.name()
+                    ),
+                );
             }
         }
         Ok(())
     }
-}
-
-/// Something to know, on standard error.
-fn note(what: &dyn std::fmt::Display) {
-    // Nobody may be left to read it.
-    let _ = writeln!(std::io::stderr(), "note: {what}");
 }
 
 impl Reading {

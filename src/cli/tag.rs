@@ -1,5 +1,6 @@
 //! `rollin tag`
 
+use super::explain::{self, Asked};
 use super::options::{ReadingName, no_such_setting};
 use super::tasks::{read_model, with_task};
 use super::{Global, closed};
@@ -20,6 +21,7 @@ use std::path::PathBuf;
 /// handwriting prints every line again with the letter as a further last column; where the letter is not known, the input has `_`. So does a labeller of graphs with the lines of nodes. A traveller writes the
 /// path behind each trip, a letter a step; a walker of a tabular problem one line an episode, `state:action` for each step.
 #[derive(Args)]
+#[command(after_help = super::help::tag())]
 pub struct Tag {
     /// The model file
     #[arg(long, value_name = "FILE")]
@@ -30,17 +32,34 @@ pub struct Tag {
     /// Write how sure each label is as one more column: its probability, or that of the span it belongs to, as learned by `rollin train --calibrate`
     #[arg(long)]
     confidence: bool,
+    /// Tell below each line why it got its label, in lines that begin with #: the scores of the label and of the next best, and what the features add to each. With --json one
+    /// object a token in place of the lines, with all features in the order in which they are added up
+    #[arg(long, conflicts_with = "confidence")]
+    explain: bool,
 }
 
 /// Lines of a block, which one thread tags at a time.
 const BLOCK: usize = 65_536;
+
+/// In which form a block is answered.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Its lines with what the model says, and how sure it is where it has temperatures.
+    Lines,
+    /// The same with reasons below each line.
+    Reasons,
+    /// The reasons alone, a JSON object a token.
+    Objects,
+}
 
 /// A block, its corpus if it is not blank, and how many sentences came before it.
 pub type Read<T> = (Block, Option<<T as Task>::Data>, usize);
 
 impl Tag {
     pub fn run(&self, global: &Global) -> Result<()> {
-        global.refuse_json("tag writes the lines it reads")?;
+        if !self.explain {
+            global.refuse_json("tag writes the lines it reads")?;
+        }
         if self.model.as_os_str() == "-" {
             return Err(Error::argument("--model", "-", "a file: standard input has the lines to be tagged"));
         }
@@ -67,6 +86,17 @@ impl Tag {
         } else {
             model.temperatures.clear();
         }
+        if self.explain {
+            if !T::NAMED {
+                return Err(no_such_setting("--explain", T::NAME));
+            }
+            explain::check(&model, &self.model)?;
+        }
+        let form = match (self.explain, global.json) {
+            (false, _) => Form::Lines,
+            (true, false) => Form::Reasons,
+            (true, true) => Form::Objects,
+        };
         let path = input::name("-".as_ref());
         let (mut stream, mut sentences) = (T::Stream::default(), 0);
         let mut blocks = Blocks::new(input::open("-")?, BLOCK);
@@ -91,7 +121,8 @@ impl Tag {
                 }
             }
             let seed = Seed::new(global.seed);
-            let answers: Vec<Result<Vec<u8>>> = read.into_par_iter().map(|read| answer(&model, read, seed)).collect();
+            let answers: Vec<Result<Vec<u8>>> =
+                read.into_par_iter().map(|read| answer(&model, read, form, seed)).collect();
             for answer in answers {
                 out.write_all(&answer?).map_err(closed)?;
             }
@@ -102,7 +133,7 @@ impl Tag {
 }
 
 /// What is written for a block.
-pub fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, seed: Seed) -> Result<Vec<u8>> {
+pub fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, form: Form, seed: Seed) -> Result<Vec<u8>> {
     let mut actions = Vec::new();
     if let Some(data) = &data {
         let space = model.encoding.apply(data)?;
@@ -111,7 +142,13 @@ pub fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, seed: S
     let mut text = Vec::with_capacity(2 * block.bytes.len());
     let answered = data.as_ref().map(|data| (data, &actions[..]));
     model.encoding.write(&block, answered, &mut text).map_err(closed)?;
-    let Some(data) = &data else { return Ok(text) };
+    let Some(data) = &data else { return Ok(if form == Form::Objects { Vec::new() } else { text }) };
+    let asked = Asked { data, actions: &actions, before, seed };
+    match form {
+        Form::Reasons => return explain::text(model, &asked, &Block { bytes: text, ..block }),
+        Form::Objects => return explain::json(model, &asked),
+        Form::Lines => {}
+    }
     let Some(sure) = model.sure(data, &actions, before, seed)? else { return Ok(text) };
     // What was written has the same lines: each of a token gets one column more.
     let lines = model.encoding.lines(data, &actions);

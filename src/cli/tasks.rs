@@ -2,6 +2,7 @@
 
 use super::compare::Both;
 use super::options::{Mending, Reading, SystemName, no_such_setting};
+use super::terminal::names;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
 use crate::read::input;
@@ -75,7 +76,12 @@ pub fn read_model(path: &Path) -> Result<(Vec<u8>, TaskName)> {
         Ok(task) => Ok((bytes, task)),
         Err(_) => {
             let known: Vec<String> = TaskName::value_variants().iter().filter_map(value_name).collect();
-            Err(Error::file(path, format!("a model for {name}"), format!("this program knows {}", known.join(", "))))
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            Err(Error::file(
+                path,
+                format!("a model for {name}"),
+                format!("this program knows {}", names(&name, &known)),
+            ))
         }
     }
 }

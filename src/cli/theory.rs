@@ -16,6 +16,7 @@ mod pages;
 
 /// Exact values, bounds and bills in advance
 #[derive(Args)]
+#[command(after_help = super::help::theory())]
 pub struct Theory {
     #[command(subcommand)]
     question: Question,
@@ -32,6 +33,7 @@ enum Question {
 }
 
 #[derive(Args)]
+#[command(after_help = super::help::audit())]
 struct AuditArgs {
     /// One JSON object with S, A, T, mu, P, C and expert, and optionally pi, pis, hats, N, alpha, phi, m and k_roll;
     /// `-` reads standard input
@@ -42,6 +44,7 @@ struct AuditArgs {
 }
 
 #[derive(Args)]
+#[command(after_help = super::help::bounds())]
 struct BoundsArgs {
     /// T, the steps of an episode
     #[arg(long, value_name = "T")]
@@ -57,6 +60,7 @@ struct BoundsArgs {
 }
 
 #[derive(Args)]
+#[command(after_help = super::help::plan())]
 struct PlanArgs {
     /// T, the steps of an episode
     #[arg(long, value_name = "T")]

@@ -1,6 +1,6 @@
 //! `rollin train`
 
-use super::algorithms::{Algorithm, RECIPES, TrainerOptions};
+use super::algorithms::{Algorithm, TrainerOptions};
 use super::options::{LearnerOptions, Reading, ReadingName, no_such_setting};
 use super::progress::Bar;
 use super::tasks::{TaskName, Verbs, with_task};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// Train a tagger, a segmenter, a parser, a reader of handwriting, a labeller of graphs, a traveller or a walker and write its model file.
 #[derive(Args)]
-#[command(after_help = RECIPES)]
+#[command(after_help = super::help::train(), after_long_help = super::help::recipes())]
 pub struct Train {
     /// What is learned
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]

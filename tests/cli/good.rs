@@ -3,7 +3,7 @@
 use super::{CHUNKS, Folder, TAGS, shipped};
 use serde_json::Value;
 
-const ALGORITHMS: [&str; 13] = [
+pub const ALGORITHMS: [&str; 13] = [
     "supervised",
     "forward",
     "smile",

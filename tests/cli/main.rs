@@ -2,7 +2,9 @@
 #![cfg(feature = "cli")]
 
 mod convert;
+mod explain;
 mod good;
+mod help;
 mod large;
 mod ocr;
 mod packed;

@@ -3,7 +3,7 @@
 use super::Folder;
 
 /// Words of up to five letters, each letter of an image of its own but for every third, whose image says nothing: the letter before does.
-fn words(first: usize, count: usize) -> String {
+pub fn words(first: usize, count: usize) -> String {
     let mut text = "word_id\tposition\tfold\tletter\tbits\n".to_owned();
     for word in first..first + count {
         for t in 0..3 + word % 3 {

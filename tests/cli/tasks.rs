@@ -4,7 +4,7 @@ use super::Folder;
 use serde_json::json;
 
 /// Stars whose middle says what all are; a leaf sees nothing but the middle. The middle stands last.
-fn stars(count: usize) -> String {
+pub fn stars(count: usize) -> String {
     let star = |i: usize| {
         let label = ["left", "right", "up"][i % 3];
         let leaves = 2 + i % 4;
@@ -67,7 +67,7 @@ fn wrong_nodes_are_counted() {
 }
 
 /// From the left to the right of maps with a wall of terrain b, which a detour of terrain a goes around at one end.
-fn maps(first: usize, count: usize) -> String {
+pub fn maps(first: usize, count: usize) -> String {
     let map = |i: usize| {
         let gap = i % 5;
         let rows: String = (0..5).map(|row| if row == gap { "aaaaa\n" } else { "aabaa\n" }).collect();
@@ -114,7 +114,7 @@ fn from_maps_to_a_traveller() {
 
 /// States 0 and 1 in turn while action 0 is taken; action 1 leads to state 2, which costs 1 a step for ever. The expert takes action 0, and
 /// pays for one step in two.
-const INSTANCE: &str = r#"{"S": 3, "A": 2, "T": 4, "mu": [0.5, 0.5, 0],
+pub const INSTANCE: &str = r#"{"S": 3, "A": 2, "T": 4, "mu": [0.5, 0.5, 0],
 "P": [[[0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, 1]], [[0, 0, 1], [0, 0, 1]]],
 "C": [[0.5, 0], [0, 0], [1, 1]], "expert": [0, 0, 0]}"#;
 

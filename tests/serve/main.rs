@@ -64,10 +64,19 @@ fn text_and_json_are_answered() {
         sentence["confidence"].as_array().expect("two").iter().all(|p| (0.0..=1.0).contains(&p.as_f64().expect("p")))
     );
 
+    let why = json!({"sentences": [["the", "boat"]], "explain": true, "confidence": true});
+    let (status, answer) = json_of(ask(JSON, &why.to_string()));
+    let reason = &answer["sentences"][0]["reasons"][1];
+    assert_eq!((status, &reason["label"]), (200, &json!("N")), "{answer}");
+    let sum: f64 =
+        reason["features"].as_array().expect("parts").iter().map(|part| part["label"].as_f64().expect("p")).sum();
+    assert!((sum - reason["score"].as_f64().expect("a score")).abs() < 1e-4, "{reason}");
+    assert!(ask("POST /tag?explain", "the\nboat\n").1.starts_with("the D\n#  D "));
+
     let (status, health) = json_of(ask("GET /health", ""));
     assert_eq!((status, &health["task"], &health["calibrated"]), (200, &json!("tagging"), &json!(true)));
     let (_, counts) = ask("GET /metrics", "");
-    for line in ["rollin_requests_total{path=\"/tag\",status=\"200\"} 5", "rollin_tokens_total 11", "rollin_waiting 0"]
+    for line in ["rollin_requests_total{path=\"/tag\",status=\"200\"} 7", "rollin_tokens_total 15", "rollin_waiting 0"]
     {
         assert!(counts.lines().any(|there| there == line), "{line} is not in {counts}");
     }

@@ -1,7 +1,7 @@
 //! What is answered to which request.
 
 use super::metrics::Metrics;
-use super::model::{Request, Served};
+use super::model::{Request, Served, Wishes};
 use crate::error::{Error, Result};
 use axum::Router;
 use axum::body::Bytes;
@@ -147,10 +147,12 @@ async fn tag(
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
-    if let Some(unknown) = query.keys().find(|key| *key != "confidence") {
-        return refusal(StatusCode::BAD_REQUEST, format!("unknown parameter {unknown:?}: there is confidence"));
+    if let Some(unknown) = query.keys().find(|key| !["confidence", "explain"].contains(&key.as_str())) {
+        let why = format!("unknown parameter {unknown:?}: there are confidence and explain");
+        return refusal(StatusCode::BAD_REQUEST, why);
     }
-    let sure = query.get("confidence").is_some_and(|value| value != "false");
+    let asked = |name| query.get(name).is_some_and(|value| value != "false");
+    let wishes = Wishes { confidence: asked("confidence"), explain: asked("explain") };
     let form = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or("text/plain");
     let json = form.split(';').next().is_some_and(|form| form.trim().eq_ignore_ascii_case("application/json"));
     let Ok(place) = app.queue.clone().try_acquire_owned() else {
@@ -165,7 +167,7 @@ async fn tag(
     let model = app.model();
     // Whoever hangs up or is timed out does not make room before the work is done.
     let done = tokio::task::spawn_blocking(move || {
-        let answer = if json { as_json(&model, &body, sure) } else { model.text(body.to_vec(), sure).map(plain) };
+        let answer = if json { as_json(&model, &body, wishes) } else { model.text(body.to_vec(), wishes).map(plain) };
         drop((work, place, waiting));
         answer
     });
@@ -192,8 +194,8 @@ fn plain((text, tokens): (Vec<u8>, usize)) -> (usize, Response) {
     (tokens, ([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }
 
-fn as_json(model: &Served, body: &[u8], sure: bool) -> Result<(usize, Response)> {
-    let mut request: Request = serde_json::from_slice(body).map_err(|error| {
+fn as_json(model: &Served, body: &[u8], mut wishes: Wishes) -> Result<(usize, Response)> {
+    let request: Request = serde_json::from_slice(body).map_err(|error| {
         let place = crate::error::Place { path: "<request>".into(), line: error.line(), column: error.column() };
         let text = error.to_string();
         let what = text.split(" at line ").next().unwrap_or(&text).to_owned();
@@ -203,7 +205,8 @@ fn as_json(model: &Served, body: &[u8], sure: bool) -> Result<(usize, Response)>
             r#"{"sentences": [["word", ...], ...]} or {"sentences": [[["word", "column", ...], ...], ...]}"#,
         )
     })?;
-    request.confidence |= sure;
-    let (answer, tokens) = model.sentences(&request)?;
+    wishes.confidence |= request.confidence;
+    wishes.explain |= request.explain;
+    let (answer, tokens) = model.sentences(&request, wishes)?;
     Ok((tokens, axum::Json(answer).into_response()))
 }

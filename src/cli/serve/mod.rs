@@ -4,9 +4,9 @@ mod app;
 mod metrics;
 mod model;
 
-use super::options::read;
 use super::{Global, print};
 use crate::error::{Error, Result};
+use crate::read::input;
 use app::{App, Limits};
 use clap::Args;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -24,7 +24,7 @@ use tokio::sync::Semaphore;
 ///
 /// POST /tag takes what `rollin tag` reads and answers what it writes, or, with content type application/json, {"sentences": [["the", "cat"]]} for one
 /// column and {"sentences": [[["the", "DT"], ["cat", "NN"]]]} for more, answered by {"sentences": [{"labels": ["DT", "NN"]}]}; ?confidence, or
-/// "confidence": true, tells how sure each label is. SIGHUP and POST /reload read the model file again; requests on the way are answered by the model
+/// "confidence": true, tells how sure each label is, and ?explain, or "explain": true, why it was set. SIGHUP and POST /reload read the model file again; requests on the way are answered by the model
 /// that was there when they came. SIGTERM and Ctrl-C answer what has come and end.
 #[derive(Args)]
 pub struct Serve {
@@ -133,7 +133,7 @@ impl Serve {
 
 /// The token in a file.
 fn token(path: &std::path::Path) -> Result<String> {
-    let text = String::from_utf8_lossy(&read(path)?).trim().to_owned();
+    let text = String::from_utf8_lossy(&input::raw(path)?).trim().to_owned();
     let fit = text.len() >= 16 && text.bytes().all(|byte| byte.is_ascii_graphic());
     if fit {
         Ok(text)

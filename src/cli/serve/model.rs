@@ -1,6 +1,6 @@
 //! A model of any task, as a server knows it.
 
-use crate::cli::tag;
+use crate::cli::tag::{self, Form};
 use crate::cli::tasks::{read_model, with_task};
 use crate::error::{Error, Result};
 use crate::read::conll::Block;
@@ -20,13 +20,24 @@ pub struct Served {
     /// Whether its actions are labels of tokens, so that JSON can be asked for and how sure it is.
     pub labels: bool,
     /// Whether it was calibrated.
-    pub calibrated: bool,
+    calibrated: bool,
+    /// Whether it decides by sums of weights that can be told one by one.
+    explains: bool,
+}
+
+/// What is asked for beside the labels.
+#[derive(Clone, Copy, Default)]
+pub struct Wishes {
+    /// How sure each is.
+    pub confidence: bool,
+    /// Why it was set.
+    pub explain: bool,
 }
 
 /// Does what `rollin tag` does.
 trait Tags: Send + Sync {
-    /// The lines of `text` again with what the model says, and how sure it is if `sure`; and how many tokens there were.
-    fn tag(&self, text: Vec<u8>, sure: bool, seed: u64) -> Result<(Vec<u8>, usize)>;
+    /// What the model says of `text` in this form, and how sure it is if `sure`; and how many tokens there were.
+    fn tag(&self, text: Vec<u8>, sure: bool, form: Form, seed: u64) -> Result<(Vec<u8>, usize)>;
 }
 
 /// A model, and the same without temperatures.
@@ -36,12 +47,12 @@ struct Both<T> {
 }
 
 impl<T: Task> Tags for Both<T> {
-    fn tag(&self, text: Vec<u8>, sure: bool, seed: u64) -> Result<(Vec<u8>, usize)> {
+    fn tag(&self, text: Vec<u8>, sure: bool, form: Form, seed: u64) -> Result<(Vec<u8>, usize)> {
         let model = if sure { &self.sure } else { &self.plain };
         let block = Block { bytes: text, first_line: 1 };
         let data = model.encoding.parse_block(&block, "<request>".as_ref(), &mut T::Stream::default())?;
         let tokens = data.as_ref().map_or(0, Data::tokens);
-        Ok((tag::answer(model, (block, data, 0), Seed::new(seed))?, tokens))
+        Ok((tag::answer(model, (block, data, 0), form, Seed::new(seed))?, tokens))
     }
 }
 
@@ -51,6 +62,8 @@ impl Served {
         let (bytes, task) = read_model(path)?;
         with_task!(task, T => {
             let sure = Model::<T>::from_bytes(&bytes, path)?;
+            let (labels, calibrated) = (T::CONFIDENT, !sure.temperatures.is_empty());
+            let explains = T::NAMED && sure.policy.sums().is_some();
             let about = json!({
                 "status": "ok",
                 "model": path,
@@ -59,12 +72,13 @@ impl Served {
                 "trainer": sure.about.trainer,
                 "learner": sure.about.learner,
                 "trained_on": sure.about.data,
-                "calibrated": !sure.temperatures.is_empty(),
+                "calibrated": calibrated,
+                "explains": explains,
             });
-            let (labels, calibrated) = (T::CONFIDENT, !sure.temperatures.is_empty());
             let mut plain = sure.clone();
             plain.temperatures.clear();
-            Ok(Served { path: path.to_owned(), seed, tagger: Box::new(Both { sure, plain }), about, labels, calibrated })
+            let tagger = Box::new(Both { sure, plain });
+            Ok(Served { path: path.to_owned(), seed, tagger, about, labels, calibrated, explains })
         })
     }
 
@@ -73,41 +87,59 @@ impl Served {
         Served::load(&self.path, self.seed)
     }
 
-    /// Refuses to say how sure it is where it does not know.
-    fn check(&self, sure: bool) -> Result<()> {
-        if sure && !self.calibrated {
-            return Err(Error::argument("confidence", "asked for", "left out: the model was not calibrated"));
+    /// Refuses what it cannot tell.
+    fn check(&self, wishes: Wishes) -> Result<()> {
+        let refused = |name, why: &str| Err(Error::argument(name, "asked for", format!("left out: {why}")));
+        if wishes.confidence && !self.calibrated {
+            return refused("confidence", "the model was not calibrated");
+        }
+        if wishes.explain && !self.explains {
+            return refused("explain", "the model does not decide by one sum of weights whose features have names");
         }
         Ok(())
     }
 
     /// What `rollin tag` writes for `text`, and how many tokens there were.
-    pub fn text(&self, text: Vec<u8>, sure: bool) -> Result<(Vec<u8>, usize)> {
-        self.check(sure)?;
-        self.tagger.tag(text, sure, self.seed)
+    pub fn text(&self, text: Vec<u8>, wishes: Wishes) -> Result<(Vec<u8>, usize)> {
+        self.check(wishes)?;
+        if wishes.explain && wishes.confidence {
+            return Err(Error::argument(
+                "confidence",
+                "asked for",
+                "left out of text that explains; JSON can have both",
+            ));
+        }
+        let form = if wishes.explain { Form::Reasons } else { Form::Lines };
+        self.tagger.tag(text, wishes.confidence, form, self.seed)
     }
 
     /// The labels of sentences, and how many tokens there were.
-    pub fn sentences(&self, request: &Request) -> Result<(Answer, usize)> {
+    pub fn sentences(&self, request: &Request, wishes: Wishes) -> Result<(Answer, usize)> {
         if !self.labels {
-            return Err(Error::argument(
-                "content type",
-                "application/json",
-                "text/plain: the model's actions are not labels of tokens",
-            ));
+            let expected = "text/plain: the model's actions are not labels of tokens";
+            return Err(Error::argument("content type", "application/json", expected));
         }
-        self.check(request.confidence)?;
-        let (tagged, tokens) = self.tagger.tag(request.text()?, request.confidence, self.seed)?;
-        let tagged = String::from_utf8_lossy(&tagged).into_owned();
+        self.check(wishes)?;
+        let text = request.text()?;
+        let mut reasons = Vec::new();
+        if wishes.explain {
+            reasons = self.tagger.tag(text.clone(), false, Form::Objects, self.seed)?.0;
+        }
+        let mut reasons = reasons.split(|byte| *byte == b'\n');
+        let (tagged, tokens) = self.tagger.tag(text, wishes.confidence, Form::Lines, self.seed)?;
+        let tagged = String::from_utf8_lossy(&tagged);
         let mut lines = tagged.lines();
         let sentences = request.sentences.iter().map(|sentence| {
             let mut labelled = Labelled::default();
             for line in lines.by_ref().take(sentence.len()) {
                 let mut cells = line.rsplit(['\t', ' ']);
-                if request.confidence {
+                if wishes.confidence {
                     labelled.confidence.extend(cells.next().and_then(|cell| cell.parse::<f64>().ok()));
                 }
                 labelled.labels.extend(cells.next().map(str::to_owned));
+                if wishes.explain {
+                    labelled.reasons.extend(reasons.next().and_then(|reason| serde_json::from_slice(reason).ok()));
+                }
             }
             lines.next(); // the blank one
             labelled
@@ -123,6 +155,8 @@ pub struct Request {
     sentences: Vec<Vec<Token>>,
     #[serde(default)]
     pub confidence: bool,
+    #[serde(default)]
+    pub explain: bool,
 }
 
 /// A token: its word where there is one column, or its columns.
@@ -173,10 +207,12 @@ pub struct Answer {
     sentences: Vec<Labelled>,
 }
 
-/// A sentence's labels, and how sure each is where that was asked for.
+/// A sentence's labels, and how sure and why each is where that was asked for: reasons as `rollin tag --explain --json` writes them.
 #[derive(Default, Serialize)]
 struct Labelled {
     labels: Vec<String>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     confidence: Vec<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    reasons: Vec<Value>,
 }
