@@ -55,12 +55,15 @@ pub fn names(value: &str, known: &[&str]) -> String {
     format!("{names}{more}{meant}")
 }
 
-/// The first of the names that are most like `value`, if it is as like as clap wants an option to be.
+/// The likeness, from 0 to 1, from which on a name may have been meant.
+const LIKE: f64 = 0.8;
+
+/// The first of the names that are most like `value`, if it is like enough.
 fn perhaps<'a>(value: &str, known: &[&'a str]) -> Option<&'a str> {
     let value = value.to_lowercase();
     let like = |name: &str| strsim::jaro(&value, &name.to_lowercase());
     let best = known.iter().rev().max_by(|a, b| like(a).total_cmp(&like(b)))?;
-    (like(best) > 0.7).then_some(best)
+    (like(best) > LIKE).then_some(best)
 }
 
 #[cfg(test)]
@@ -73,6 +76,8 @@ mod tests {
         assert_eq!(names("B-NPP", &labels), "B-NP, B-VP, I-NP, O; did you mean B-NP?");
         assert_eq!(names("i-np", &labels), "B-NP, B-VP, I-NP, O; did you mean I-NP?");
         assert_eq!(names("sentence", &labels), "B-NP, B-VP, I-NP, O");
+        assert_eq!(names("weaving", &["tagging", "parsing"]), "tagging, parsing");
+        assert_eq!(names("taging", &["tagging", "parsing"]), "tagging, parsing; did you mean tagging?");
         let many: Vec<String> = (0..23).map(|i| i.to_string()).collect();
         let many: Vec<&str> = many.iter().map(String::as_str).collect();
         assert!(names("x", &many).ends_with("18, 19 and 3 more"));
