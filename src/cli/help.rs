@@ -160,3 +160,17 @@ $fpath, fish from ~/.config/fish/completions; PowerShell and elvish take it at t
   rollin man > rollin.1
   rollin man share/man/man1";
 }
+
+/// `rollin serve`
+#[cfg(feature = "serve")]
+pub fn serve() -> StyledStr {
+    help(
+        "\
+Examples:
+  rollin serve --model tagger.model
+  rollin serve --model tagger.model --body-limit 100000 --time-limit 2 --queue 64
+
+Then, from another terminal:
+  curl --data-binary @new.txt http://127.0.0.1:8080/tag",
+    )
+}

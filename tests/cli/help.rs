@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// All commands, as their names are typed.
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 17] = [
     "",
     "train",
     "tag",
@@ -26,6 +26,7 @@ const COMMANDS: [&str; 16] = [
     "drive",
     "completions",
     "man",
+    "serve",
 ];
 
 /// The examples in a help: lines set in by two, in which the program is run.
@@ -106,11 +107,14 @@ fn examples_can_be_typed() {
     for command in COMMANDS {
         let (short, long) = (folder.run(&format!("{command} -h")), folder.run(&format!("{command} --help")));
         assert!(!examples(&short).is_empty(), "{command}: no example");
-        for line in examples(&short).into_iter().chain(examples(&long)) {
-            if !done.iter().any(|before| before == line) {
-                let game = line.split(' ').nth(2).unwrap_or_default();
-                typed(&folder, &line.replace("--quick", &format!("--plan {game}.plan")));
-                done.push(line.to_owned());
+        for shown in examples(&short).into_iter().chain(examples(&long)) {
+            if !done.iter().any(|before| before == shown) {
+                let game = shown.split(' ').nth(2).unwrap_or_default();
+                let line = shown.replace("--quick", &format!("--plan {game}.plan"));
+                // A server goes on until it is asked to end; the port of the example may be taken.
+                let served = "timeout --preserve-status -s TERM 1 rollin serve --listen 127.0.0.1:0";
+                typed(&folder, &line.replace("rollin serve", served));
+                done.push(shown.to_owned());
             }
         }
     }

@@ -259,15 +259,14 @@ fn experts_from_the_command_line() {
     }
     folder.run(&format!("{train} --expert none"));
     assert!(!folder.run("inspect m").contains("\nexpert   "));
-    // Whoever is silent was asked all the same, but there is less to learn from.
+    // Half of the answers are missing, in episodes that are as long as before.
     folder.put("g", stars(30));
-    let bill = |expert: &str| {
+    let labels = |expert: &str| {
         let line = format!("train --task graph --data g --model m -q --json --algorithm dagger --expert {expert}");
-        let ledger = &folder.json(&line)["about"]["ledger"];
-        [&ledger["labels"], &ledger["examples"]].map(|count| count.as_f64().expect("a count"))
+        folder.json(&line)["about"]["ledger"]["labels"].as_f64().expect("a count")
     };
-    let ([asked, all], [as_often, half]) = (bill("none"), bill("silent:0.5"));
-    assert!(asked == as_often && asked == all && half > 0.3 * all && half < 0.7 * all, "{half} of {all}");
+    let (all, half) = (labels("none"), labels("silent:0.5"));
+    assert!(half > 0.3 * all && half < 0.7 * all, "{half} of {all}");
     let table = folder.json("compare --task navigation --data t --costs 1,9 -q --expert noisy:0.1 --json");
     assert_eq!(table["expert"], "noisy:0.1");
     for (line, expected) in [

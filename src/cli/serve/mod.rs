@@ -27,6 +27,7 @@ use tokio::sync::Semaphore;
 /// "confidence": true, tells how sure each label is, and ?explain, or "explain": true, why it was set. SIGHUP and POST /reload read the model file again; requests on the way are answered by the model
 /// that was there when they came. SIGTERM and Ctrl-C answer what has come and end.
 #[derive(Args)]
+#[command(after_help = crate::cli::help::serve())]
 pub struct Serve {
     /// The model file
     #[arg(long, value_name = "FILE")]
@@ -89,6 +90,14 @@ impl Serve {
         let graceful = GracefulShutdown::new();
         tokio::spawn(reload_on_hangup(app.clone()));
         let mut end = std::pin::pin!(asked_to_end());
+        let welcome = |stream: TcpStream, seat| {
+            let connection = graceful.watch(self.connection(stream, app.clone()));
+            tokio::spawn(async move {
+                // Whoever hangs up is not our error.
+                let _ = connection.await;
+                drop(seat);
+            });
+        };
         loop {
             let accepted = async {
                 let seat = seats.clone().acquire_owned().await;
@@ -97,18 +106,17 @@ impl Serve {
             tokio::select! {
                 () = &mut end => break,
                 (stream, seat) = accepted => match stream {
-                    Ok((stream, _)) => {
-                        let connection = graceful.watch(self.connection(stream, app.clone()));
-                        tokio::spawn(async move {
-                            // Whoever hangs up is not our error.
-                            let _ = connection.await;
-                            drop(seat);
-                        });
-                    }
+                    Ok((stream, _)) => welcome(stream, seat),
                     // Too many open files, or a client that is gone already: there will be others.
                     Err(_) => tokio::time::sleep(Duration::from_millis(10)).await,
                 },
             }
+        }
+        // Whoever was at the door is let in.
+        while let Ok(seat) = seats.clone().try_acquire_owned()
+            && let Ok(Ok((stream, _))) = tokio::time::timeout(Duration::ZERO, listener.accept()).await
+        {
+            welcome(stream, Ok(seat));
         }
         drop(listener);
         // What is still unanswered then will not be.
