@@ -98,10 +98,10 @@ def corpora(folder, data):
         with open(os.path.join(folder, name), "w") as out:
             out.write(text)
     real = {
-        "tagging": ("conll2000/train.txt", "--first 250"),
-        "segmenting": ("conll2000/train.txt", "--first 150"),
-        "ocr": ("ocr/letters.tsv", "--first 400"),
-        "parsing": ("ud-english-ewt/en_ewt-ud-train.conllu", "--first 60"),
+        "tagging": ("conll2000/train.txt", "--first 1000"),
+        "segmenting": ("conll2000/train.txt", "--first 1000"),
+        "ocr": ("ocr/letters.tsv", "--first 2000"),
+        "parsing": ("ud-english-ewt/en_ewt-ud-train.conllu", "--first 600"),
     }
     if data:
         for task, (path, options) in real.items():
@@ -133,7 +133,7 @@ def table(rows):
     def measures(reading):
         return [k for k, v in reading.items() if k not in ("reading", "loss") and v is not None]
 
-    names = next(measures(row["readings"][0]) for _, row, _ in rows if row)
+    names = next((measures(row["readings"][0]) for _, row, _ in rows if row), [])
     print("| trainer | read as | loss |", " | ".join(f"{name} %" for name in names), "| labels | expert acts | roll-outs | roll-out acts |")
     print("|---|---|--:|" + "--:|" * (len(names) + 4))
     for trainer, row, refusal in rows:

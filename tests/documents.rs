@@ -104,3 +104,31 @@ fn commands_in_documents_run() {
         }
     }
 }
+
+/// The sources below `folder`.
+fn sources(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("the folder is there") {
+        let path = entry.expect("an entry").path();
+        match path.extension() {
+            None if path.is_dir() => sources(&path, found),
+            Some(kind) if kind == "rs" => found.push(path),
+            _ => {}
+        }
+    }
+}
+
+/// Statistics have seeds that are written down: nothing in the tests draws from the clock or the system.
+#[test]
+fn no_test_draws_from_the_clock() {
+    let mut found = Vec::new();
+    for folder in ["tests", "src"] {
+        sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
+    }
+    assert!(found.len() > 100, "{}", found.len());
+    for path in found.iter().filter(|path| !path.ends_with("tests/documents.rs")) {
+        let text = std::fs::read_to_string(path).expect("text");
+        for source in ["thread_rng", "rand::rng(", "from_os_rng", "SysRng", "from_entropy", "SystemTime"] {
+            assert!(!text.contains(source), "{}: {source}", path.display());
+        }
+    }
+}
