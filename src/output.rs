@@ -1,5 +1,10 @@
 //! Files that are whole or not there at all.
 
+mod seal;
+
+pub use seal::Arrays;
+pub(crate) use seal::{Seal, checksum, first_line};
+
 use crate::error::{Error, Result};
 use std::io::{self, Write};
 use std::path::Path;
@@ -20,7 +25,8 @@ pub fn check_writable(path: &Path) -> Result<()> {
     beside(path).map(drop)
 }
 
-/// Writes `bytes` to `path`: to a new file beside it, which is flushed to the disk and then renamed.
+/// Writes `bytes` to `path`: to a new file beside it, which is flushed to the disk and then renamed; the folder is flushed, too, so that the new name
+/// outlives a loss of power.
 ///
 /// # Errors
 /// When the system refuses; whatever stood at `path` is then still there.
@@ -30,14 +36,34 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     file.write_all(bytes).map_err(refused)?;
     file.as_file().sync_all().map_err(refused)?;
     file.persist(path).map_err(|error| refused(error.error))?;
+    #[cfg(unix)]
+    flush_folder(folder(path)).map_err(refused)?;
     Ok(())
 }
 
+/// Flushes the names in a folder, where it may be read and its file system knows of such a thing.
+#[cfg(unix)]
+fn flush_folder(folder: &Path) -> io::Result<()> {
+    let Ok(folder) = std::fs::File::open(folder) else { return Ok(()) };
+    match folder.sync_all() {
+        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
+        done => done,
+    }
+}
+
+/// The folder that `path` is in.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// What the names of files begin with that are still being written.
+pub(crate) const BESIDE: &str = ".rollin-";
+
 /// A new file beside `path`, which is deleted when dropped.
 fn beside(path: &Path) -> Result<NamedTempFile> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder(path);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".rollin-");
+    builder.prefix(BESIDE);
     // As any new file: what the user's mask allows, not only its owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

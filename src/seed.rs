@@ -63,6 +63,11 @@ impl Seed {
         self.0
     }
 
+    /// The node with this number.
+    pub(crate) fn of_number(number: u64) -> Self {
+        Seed(number)
+    }
+
     /// A generator that starts from this node, for longer streams: ChaCha8, portable and fixed for all time.
     pub fn rng(self) -> ChaCha8Rng {
         ChaCha8Rng::seed_from_u64(self.0)

@@ -7,8 +7,8 @@ use crate::space::experts::Flaw;
 use crate::space::{CostToGo, Features, Problem, Space, StateOf};
 use crate::tasks::{AnyLearner, Learned, Trainer};
 use crate::trainer::{
-    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, MOST_WIDTH, MOST_WINDOW, Rate, Reuse, Run, Schedule, Searn,
-    Smile, Stacking, Supervised, Trained,
+    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Keeping, Lols, MOST_WIDTH, MOST_WINDOW, Rate, Reuse, Run, Schedule,
+    Searn, Smile, Stacking, Supervised, Trained,
 };
 use clap::{Args, ValueEnum};
 
@@ -243,7 +243,7 @@ impl TrainerOptions {
         &self,
         problem: &P,
         (trainer, learner): (&Trainer, &AnyLearner),
-        run: &Run<'_>,
+        run: &Run<'_, Keeping>,
     ) -> Result<Trained<Learned>>
     where
         P::Space: Space<View = Features>,

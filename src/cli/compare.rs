@@ -198,7 +198,7 @@ impl<T: Verbs> Bench<'_, T> {
     fn row(&self, algorithm: Algorithm, trainer: Trainer, learner: &AnyLearner, global: &Global) -> Result<Row> {
         let bar = Bar::new(&algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
-        let run = Run { seed: Seed::new(global.seed), watch: &watch };
+        let run = Run { watch: &watch, ..Run::new(global.seed).kept(None) };
         let trained = T::train(&self.problem, &run, &|problem, run| self.how.train(problem, (&trainer, learner), run))?;
         let readings = match trainer.mixes() {
             true => vec![Some(policy::Reading::Sampled), Some(policy::Reading::Vote), Some(policy::Reading::Mean)],

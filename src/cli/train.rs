@@ -72,7 +72,7 @@ impl Train {
 
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
         let watch = |progress: &_| bar.show(progress);
-        let run = Run { seed: Seed::new(global.seed), watch: &watch };
+        let run = Run { watch: &watch, ..Run::new(global.seed).kept(None) };
         let trained = T::train(&problem, &run, &|problem, run| self.trainer.train(problem, (&trainer, &learner), run))?;
         drop(bar);
         let policy = trained.policy.read_as(self.reading.into());
@@ -94,6 +94,7 @@ impl Train {
             sentences: corpus.sentences(),
             tokens: corpus.tokens(),
             ledger: trained.ledger,
+            stopped: trained.stopped.then_some(trained.rounds.len()),
         };
         let model = Model { temperatures, ..Model::new(encoding, policy, about)? };
         model.save(&self.model)?;

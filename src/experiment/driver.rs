@@ -2,10 +2,11 @@
 
 use crate::error::{Error, Result};
 use crate::policy::{
-    Classifier, Columns, Ladder, Layer, Linear, Mixture, MixtureMemory, Neural, Outputs, Policy, Rows,
+    Classifier, Columns, Ladder, Layer, Linear, Mixture, MixtureMemory, Neural, Outputs, Policy, Rows, put_rows,
+    take_rows,
 };
 use crate::space::{Action, Dense, FeatureTable, Features, Problem, View, ViewOf, Width};
-use crate::tasks::{Arrays, opened, put_rows, sealed, take_rows};
+use crate::tasks::{Arrays, opened, sealed};
 use crate::worker::Visit;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -253,7 +253,7 @@ impl<G: Game> Lab<'_, G> {
             episodes: episodes * self.game.grades().len(),
         };
         let learner = Keeping::<G::View>::new(&method.learner, answers, watch);
-        let run = Run { seed, watch: &|_| {} };
+        let run = Run { seed, ..Run::new(0) };
         let rounds = match &method.teaching {
             Teaching::Supervised(trainer) => trainer.train(&problem, &learner, &run)?.rounds,
             Teaching::Forward(trainer) => trainer.train(&problem, &learner, &run)?.rounds,

@@ -1,7 +1,8 @@
 //! The multiclass support vector machine of Crammer & Singer.
 
 use super::dual::{Batch, Steps};
-use super::{Examples, Learner, Lesson, Online, Setting, Target, reduce};
+use super::{Examples, Kept, Learner, Lesson, Online, Setting, Target, reduce};
+use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, LinearMemory};
 use crate::seed::Seed;
 use crate::space::{Action, Features, Sight};
@@ -161,6 +162,20 @@ impl Learner<Features> for CrammerSinger {
 pub struct CrammerCourse {
     steps: Steps,
     problem: Subproblem,
+}
+
+impl Kept<Features> for CrammerCourse {
+    fn put(&self, to: &mut Vec<u8>) {
+        self.steps.put(to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
+        Some(CrammerCourse { steps: Steps::take(from, setting)?, problem: Subproblem::default() })
+    }
+
+    fn follows(&self, start: &Self) -> bool {
+        self.steps.follows(&start.steps)
+    }
 }
 
 /// The weights as they are now.

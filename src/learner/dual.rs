@@ -1,7 +1,9 @@
 //! What the learners that work in the dual share: examples without repetitions, and one step for each example as it comes up.
 
-use super::{Examples, Lesson, Setting, Target};
+use super::kept::{put_linear, take_columns, take_weights};
+use super::{Examples, Kept, Lesson, Setting, Target};
 use crate::index::Index;
+use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best};
 use crate::space::{Action, FeatureTable, Features, Sight, StoredFeatures};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -154,6 +156,22 @@ impl Steps {
     /// What has been learned.
     pub(super) fn finish(self) -> Linear {
         Linear { actions: self.actions, columns: self.columns, weights: self.weights.map_rows(|_, _| {}) }
+    }
+}
+
+impl Kept<Features> for Steps {
+    fn put(&self, to: &mut Vec<u8>) {
+        put_linear(self.columns, &self.weights, to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
+        let columns = take_columns(from, setting)?;
+        let learned = take_weights(from, setting, setting.actions, columns)?;
+        Some(Steps::begin(columns, setting, Some(&learned)))
+    }
+
+    fn follows(&self, start: &Self) -> bool {
+        self.columns == start.columns
     }
 }
 

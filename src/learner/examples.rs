@@ -82,6 +82,16 @@ impl<V: View> Examples<V> {
         self.sets.get(self.legal[i])
     }
 
+    /// The sets of actions that were legal, in the order of their first occurrence.
+    pub(super) fn sets(&self) -> impl Iterator<Item = Actions<'_>> {
+        self.sets.lists.iter().map(Set::actions)
+    }
+
+    /// Which of them was that of example `i`.
+    pub(super) fn set(&self, i: usize) -> u32 {
+        self.legal[i]
+    }
+
     /// Whether the same actions were legal in examples `i` and `j`.
     pub(super) fn same_legal(&self, i: usize, j: usize) -> bool {
         self.legal[i] == self.legal[j]

@@ -1,6 +1,8 @@
 //! The input layers of nets in the making: one for sparse binary features, one for dense numbers.
 
-use super::Setting;
+use super::kept::{put_weights, take_full, take_layer};
+use super::{Kept, Setting};
+use crate::output::Arrays;
 use crate::policy::{Columns, Layer, Linear, Rows, Weights};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Dense, Features, Sight, View};
@@ -47,6 +49,12 @@ pub trait Inlet<V: Sensed>: Clone + Send + Sync {
 
     /// What has been learned.
     fn finish(self) -> V::Layer;
+
+    /// Appends all of it to a checkpoint: see [`Kept`].
+    fn put(&self, to: &mut Vec<u8>);
+
+    /// A layer of `columns` units for this setting as it was put; `None` when that is not what stands there.
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, V>, columns: usize) -> Option<Self>;
 }
 
 /// Numbers drawn evenly from ±`scale`.
@@ -138,6 +146,24 @@ impl Inlet<Features> for Sparse {
 
     fn finish(self) -> Linear {
         Linear { weights: self.layer.weights.map_rows(|_, _| {}), ..self.layer }
+    }
+
+    fn put(&self, to: &mut Vec<u8>) {
+        put_weights(&self.layer.weights, to);
+        Kept::<Features>::put(&self.beside, to);
+        Kept::<Features>::put(&self.touched, to);
+        Kept::<Features>::put(&self.batches, to);
+        Kept::<Features>::put(&self.time, to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>, columns: usize) -> Option<Self> {
+        let layer = take_layer(from, setting, columns)?;
+        let (beside, (touched, (batches, time))) = <(_, (Vec<u32>, (Vec<u32>, _)))>::take(from, setting)?;
+        let features = setting.shared.features();
+        let counted = time <= u32::MAX / 2;
+        let possible =
+            counted && batches.len() == features && touched.iter().all(|feature| (*feature as usize) < features);
+        possible.then_some(Sparse { layer, beside, touched, batches, time })
     }
 }
 
@@ -236,5 +262,20 @@ impl Inlet<Dense> for Full {
 
     fn finish(self) -> Rows {
         self.layer
+    }
+
+    fn put(&self, to: &mut Vec<u8>) {
+        Kept::<Dense>::put(&self.layer.weights, to);
+        Kept::<Dense>::put(&self.beside, to);
+        Kept::<Dense>::put(&self.drawn, to);
+        Kept::<Dense>::put(&self.seen, to);
+        Kept::<Dense>::put(&self.slopes, to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Dense>, columns: usize) -> Option<Self> {
+        let layer = take_full(from, setting, columns)?;
+        let (beside, (drawn, (seen, slopes))) = <(Vec<f32>, (_, (_, _)))>::take(from, setting)?;
+        let possible = beside.len() == BESIDE * layer.weights.len();
+        possible.then_some(Full { layer, beside, drawn, seen, slopes })
     }
 }

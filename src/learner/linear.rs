@@ -6,6 +6,8 @@ use crate::seed::Seed;
 use crate::space::{Action, Actions, Features, Sight};
 use rand::seq::SliceRandom;
 
+mod kept;
+
 /// How weights follow a gradient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Descent {
@@ -81,6 +83,13 @@ const BLOCK: usize = 4;
 type Block = [f32; BLOCK];
 
 impl Course {
+    /// A course that begins with these weights.
+    fn of(actions: usize, columns: Columns, weights: Weights) -> Self {
+        let (scores, gradient) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
+        let (beside, blocks, votes) = (Vec::new(), Vec::new(), Vec::new());
+        Course { actions, columns, weights, beside, seen: 0, scores, gradient, blocks, votes }
+    }
+
     /// Scores the example whose features are `fixed` and `dynamic`.
     #[inline]
     fn score(&mut self, fixed: &[u32], dynamic: &[u32]) {
@@ -222,19 +231,7 @@ impl<R: Rule> Online<Features> for R {
             }
         }
         weights.measure();
-        let (scores, gradient) = (vec![0.0; weights.stride()], vec![0.0; weights.stride()]);
-        let (blocks, votes) = (Vec::new(), Vec::new());
-        Course {
-            actions: setting.actions,
-            columns,
-            weights,
-            beside: Vec::new(),
-            seen: 0,
-            scores,
-            gradient,
-            blocks,
-            votes,
-        }
+        Course::of(setting.actions, columns, weights)
     }
 
     #[inline]

@@ -8,6 +8,8 @@
 //! # Writing one
 //! A learner that is a loss on linear scores is a [`Rule`]: one file with the loss's gradient, and the rest (passes, warm starts,
 //! averaging, learning while acting) comes with it. Anything else implements [`Learner`] itself.
+//! Where its classifier, or its course if it is online, is [`Kept`], training with it can go on after it was killed
+//! ([`Checkpoint`](crate::trainer::Checkpoint)); where it is not, training with a checkpoint does not compile, and all else does.
 
 mod calibrate;
 mod costtree;
@@ -17,6 +19,7 @@ mod csoaa;
 mod dual;
 mod examples;
 mod inlet;
+mod kept;
 mod linear;
 mod logistic;
 mod net;
@@ -36,6 +39,8 @@ pub use csoaa::Csoaa;
 pub use dual::Steps;
 pub use examples::{Examples, Target};
 pub use inlet::{Full, Inlet, Sensed, Sparse};
+pub use kept::Kept;
+pub(crate) use kept::MOST_COUNTED;
 pub use linear::{Course, Descent, Lesson, Rule};
 pub use logistic::Logistic;
 pub use net::{Net, NetCourse, Step};

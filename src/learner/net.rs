@@ -1,7 +1,9 @@
 //! A net of one hidden layer, by backpropagation.
 
 use super::inlet::{BESIDE, Inlet, Sensed};
-use super::{Examples, Learner, Online, Setting, Target, reduce};
+use super::kept::{MOST_COUNTED, take_dense};
+use super::{Examples, Kept, Learner, Online, Setting, Target, reduce};
+use crate::output::Arrays;
 use crate::policy::{Classifier, Layer, Neural, NeuralMemory, Outputs, forward};
 use crate::seed::Seed;
 use crate::space::{Action, Features, Sight};
@@ -87,7 +89,33 @@ pub struct NetCourse<V: Sensed = Features> {
     time: i32,
 }
 
+/// How many columns the input layer of a net has.
+fn columns(units: usize, outputs: usize) -> usize {
+    if units == 0 { outputs } else { units }
+}
+
 impl<V: Sensed> NetCourse<V> {
+    /// A course that begins with these weights.
+    fn of(inlet: V::Inlet, dense: Vec<f32>, (hidden, coding, actions): (usize, Outputs, usize)) -> Self {
+        let outputs = coding.count(actions);
+        NetCourse {
+            seed: Seed::new(0),
+            inlet,
+            beside: vec![0.0; BESIDE * dense.len()],
+            dense,
+            actions,
+            coding,
+            hidden,
+            units: Vec::new(),
+            outputs: vec![0.0; outputs],
+            scores: Vec::new(),
+            errors: vec![0.0; outputs],
+            slopes: Vec::new(),
+            pending: 0,
+            time: 1,
+        }
+    }
+
     /// What the net gives for what is seen at `sight`.
     fn score(&mut self, sight: &Sight<'_, V>) {
         self.inlet.meet(sight, self.seed);
@@ -176,6 +204,31 @@ impl Net {
     }
 }
 
+impl<V: Sensed> Kept<V> for NetCourse<V> {
+    fn put(&self, to: &mut Vec<u8>) {
+        Kept::<V>::put(&self.coding, to);
+        Kept::<V>::put(&self.hidden, to);
+        Kept::<V>::put(&self.dense, to);
+        Kept::<V>::put(&self.beside, to);
+        Kept::<V>::put(&(self.seed, (self.pending, self.time)), to);
+        self.inlet.put(to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, V>) -> Option<Self> {
+        let (coding, hidden, dense) = take_dense(from, setting)?;
+        let (beside, (seed, (pending, time))) = <(Vec<f32>, _)>::take(from, setting)?;
+        let actions = setting.actions;
+        let inlet = V::Inlet::take(from, setting, columns(hidden, coding.count(actions)))?;
+        let possible = beside.len() == BESIDE * dense.len() && pending <= MOST_COUNTED as usize;
+        let course = NetCourse::of(inlet, dense, (hidden, coding, actions));
+        possible.then_some(NetCourse { beside, seed, pending, time, ..course })
+    }
+
+    fn follows(&self, start: &Self) -> bool {
+        (self.hidden, self.coding) == (start.hidden, start.coding)
+    }
+}
+
 /// The weights as they are now; features not met so far count nothing.
 impl<V: Sensed> Classifier<V> for NetCourse<V> {
     type Memory = NeuralMemory<<V::Layer as Layer<V>>::Memory>;
@@ -219,23 +272,8 @@ impl<V: Sensed> Online<V> for Net {
         if let Some(warm) = warm {
             dense.copy_from_slice(&warm.dense);
         }
-        let columns = if self.units == 0 { outputs } else { self.units };
-        NetCourse {
-            seed: Seed::new(0),
-            inlet: V::Inlet::begin(setting, columns, warm.map(|warm| &warm.input)),
-            beside: vec![0.0; BESIDE * dense.len()],
-            dense,
-            actions,
-            coding: self.outputs,
-            hidden: self.units,
-            units: Vec::new(),
-            outputs: vec![0.0; outputs],
-            scores: Vec::new(),
-            errors: vec![0.0; outputs],
-            slopes: Vec::new(),
-            pending: 0,
-            time: 1,
-        }
+        let inlet = V::Inlet::begin(setting, columns(self.units, outputs), warm.map(|warm| &warm.input));
+        NetCourse::of(inlet, dense, (self.units, self.outputs, actions))
     }
 
     fn learn(&self, course: &mut NetCourse<V>, sight: &Sight<'_, V>, target: Option<Target<'_>>) -> Action {

@@ -1,7 +1,8 @@
 //! Linear support vector machines, one for each pair of actions.
 
 use super::dual::{Batch, Steps};
-use super::{Examples, Learner, Lesson, Online, Setting, Target, Wap};
+use super::{Examples, Kept, Learner, Lesson, Online, Setting, Target, Wap};
+use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Features, Sight};
@@ -204,6 +205,10 @@ struct Pairs {
 }
 
 impl Pairs {
+    fn of(actions: usize) -> Self {
+        Pairs { values: vec![0.0; actions], scratch: Vec::new() }
+    }
+
     /// Writes the step in the dual of each pair at which these scores fall short of the margin into `change`. Returns whether there is any.
     fn step(&mut self, cost: f32, lesson: Lesson<'_>, norm: f32, scores: &[f32], change: &mut [f32]) -> bool {
         let Pairs { values, scratch } = self;
@@ -223,6 +228,20 @@ impl Pairs {
     }
 }
 
+impl Kept<Features> for SvmCourse {
+    fn put(&self, to: &mut Vec<u8>) {
+        self.steps.put(to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
+        Some(SvmCourse { steps: Steps::take(from, setting)?, pairs: Pairs::of(setting.actions) })
+    }
+
+    fn follows(&self, start: &Self) -> bool {
+        self.steps.follows(&start.steps)
+    }
+}
+
 /// The weights as they are now.
 impl Classifier<Features> for SvmCourse {
     type Memory = LinearMemory;
@@ -236,8 +255,7 @@ impl Online<Features> for Svm {
     type Course = SvmCourse;
 
     fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> SvmCourse {
-        let pairs = Pairs { values: vec![0.0; setting.actions], scratch: Vec::new() };
-        SvmCourse { steps: Steps::begin(Columns::Pairs, setting, warm), pairs }
+        SvmCourse { steps: Steps::begin(Columns::Pairs, setting, warm), pairs: Pairs::of(setting.actions) }
     }
 
     fn learn(&self, course: &mut SvmCourse, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {

@@ -54,6 +54,11 @@ impl<C> Mixture<C> {
         Mixture { expert, members: vec![(1.0 - expert, classifier)], reading: Reading::Sampled }
     }
 
+    /// A mixture of the expert with this weight and these classifiers with theirs.
+    pub(crate) fn of_parts(expert: f64, members: Vec<(f64, C)>, reading: Reading) -> Self {
+        Mixture { expert, members, reading }
+    }
+
     /// A mixture without expert of these weights and classifiers, read as `reading`. The weights are taken as they are.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ mod linear;
 mod mixture;
 mod neural;
 mod outputs;
+mod rows;
 mod tree;
 mod value;
 
@@ -18,6 +19,7 @@ pub use mixture::{Member, Mixture, MixtureMemory, Reading};
 pub(crate) use neural::forward;
 pub use neural::{Layer, Neural, NeuralMemory, Rows};
 pub use outputs::Outputs;
+pub(crate) use rows::{put_rows, put_rows_of, take_rows};
 pub(crate) use tree::Node;
 pub use tree::Tree;
 pub(crate) use value::value_of;

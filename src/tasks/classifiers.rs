@@ -1,5 +1,7 @@
 //! The classifiers that the learners of the program make.
 
+use crate::learner::{Kept, Setting};
+use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, Neural, NeuralMemory, Weights};
 use crate::space::{Action, Features, Sight};
 
@@ -79,5 +81,28 @@ impl Classifier<Features> for AnyClassifier {
             AnyClassifier::Linear(linear) => linear.choose(sight, &mut memory.input),
             AnyClassifier::Net(net) => net.choose(sight, memory),
         }
+    }
+}
+
+/// Appends which kind of several `value` is, then what it is.
+pub(super) fn put_kind(kind: u8, value: &impl Kept<Features>, to: &mut Vec<u8>) {
+    to.push(kind);
+    value.put(to);
+}
+
+impl Kept<Features> for AnyClassifier {
+    fn put(&self, to: &mut Vec<u8>) {
+        match self {
+            AnyClassifier::Linear(linear) => put_kind(0, linear, to),
+            AnyClassifier::Net(net) => put_kind(1, net, to),
+        }
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
+        Some(match u8::take(from, setting)? {
+            0 => AnyClassifier::Linear(Kept::take(from, setting)?),
+            1 => AnyClassifier::Net(Kept::take(from, setting)?),
+            _ => return None,
+        })
     }
 }

@@ -13,8 +13,8 @@
 use super::model::{About, Learned, Model};
 use super::{AnyClassifier, Task};
 use crate::error::{Error, Result};
-use crate::output::write_whole;
-use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Neural, Outputs, Reading, Weights};
+use crate::output::{Arrays, Seal, checksum, first_line, write_whole};
+use crate::policy::{Columns, Greedy, Ladder, Linear, Mixture, Neural, Outputs, Reading, put_rows, take_rows};
 use crate::read::input;
 use crate::space::Stacked;
 use crate::trainer::{Beam, MOST_WIDTH, MOST_WINDOW, TwoStage};
@@ -22,10 +22,14 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// What a model file begins with, but for the version.
-const MAGIC: &str = "rollin model ";
-/// The version that is written, and the only one that is read.
-const VERSION: u32 = 1;
+/// Model files.
+const MODEL: Seal = Seal {
+    name: "model",
+    version: 1,
+    stranger: "name a file that `rollin train --model` wrote",
+    outdated: "train it again, or use the program that wrote it",
+    broken: "copy or train it again",
+};
 
 /// What a body says of itself.
 #[derive(Serialize, Deserialize)]
@@ -201,7 +205,7 @@ impl<T: Task> Model<T> {
         let length = json.len() + 1 + 8 * keys + 4 * numbers;
 
         // Models are large: the body is written once, behind a head that waits for its checksum.
-        let mut bytes = head(length, 0);
+        let mut bytes = MODEL.head(length, 0);
         let start = bytes.len();
         bytes.reserve_exact(length);
         bytes.extend(json);
@@ -214,7 +218,7 @@ impl<T: Task> Model<T> {
             bytes.extend(beside(classifier).iter().flat_map(|w| w.to_le_bytes()));
         }
         let sum = checksum(&bytes[start..]);
-        bytes[..start].copy_from_slice(&head(length, sum));
+        bytes[..start].copy_from_slice(&MODEL.head(length, sum));
         bytes
     }
 
@@ -240,9 +244,9 @@ impl<T: Task> Model<T> {
     /// # Errors
     /// When they are no model, of another version, cut short or damaged.
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self> {
-        let body = checked_body(bytes, path)?;
-        let broken = |what: &str| damaged(path, &format!("its body is no {} model: {what}", T::NAME));
-        let (json, arrays) = split_line(body).ok_or_else(|| broken("no header"))?;
+        let body = MODEL.open(bytes, path)?;
+        let broken = |what: &str| MODEL.damaged(path, &format!("its body is no {} model: {what}", T::NAME));
+        let (json, arrays) = first_line(body).ok_or_else(|| broken("no header"))?;
         // What is not for every task is the task's: it refuses what it does not know.
         let header: Header<serde_json::Map<String, serde_json::Value>> =
             serde_json::from_slice(json).map_err(|error| broken(&error.to_string()))?;
@@ -251,7 +255,7 @@ impl<T: Task> Model<T> {
             return Err(Error::file(path, format!("a model for {}", header.task), needed));
         }
         let own = serde_json::from_value(header.own.into()).map_err(|error| broken(&error.to_string()))?;
-        let mut arrays = Arrays { rest: arrays };
+        let mut arrays = Arrays::of(arrays);
         let encoding = T::restore(own, &mut arrays, path).map_err(|what| broken(&what))?;
 
         let (actions, features) = (encoding.actions(), encoding.features());
@@ -300,41 +304,6 @@ fn beside(classifier: &AnyClassifier) -> &[f32] {
     }
 }
 
-/// Appends the numbers of the features that have weights, then their rows.
-pub(crate) fn put_rows(weights: &Weights, bytes: &mut Vec<u8>) {
-    let with_weights = || (0..weights.features() as u32).filter_map(|f| weights.row(f).map(|row| (f, row)));
-    bytes.extend(with_weights().flat_map(|(feature, _)| feature.to_le_bytes()));
-    for (_, row) in with_weights() {
-        let at = bytes.len();
-        bytes.resize(at + 4 * weights.columns(), 0);
-        bytes[at..].as_chunks_mut().0.iter_mut().zip(row).for_each(|(to, w)| *to = w.to_le_bytes());
-    }
-}
-
-/// Reads one classifier: the numbers of its features, then their rows.
-pub(crate) fn take_rows(
-    (actions, features): (usize, usize),
-    columns: Columns,
-    count: usize,
-    arrays: &mut Arrays<'_>,
-) -> Result<Linear, &'static str> {
-    let width = columns.count(actions);
-    let numbers = arrays.take::<4>(count).ok_or("it ends within a list of features")?;
-    let all = width.checked_mul(count).ok_or("a classifier is too large")?;
-    let values = arrays.take::<4>(all).ok_or("it ends within a classifier's weights")?;
-    let mut weights = Weights::new(features, width);
-    weights.reserve(count);
-    for (i, number) in numbers.iter().enumerate() {
-        let feature = u32::from_le_bytes(*number);
-        if feature as usize >= features || weights.row(feature).is_some() {
-            return Err("a feature with weights does not exist or stands twice");
-        }
-        let row = values[i * width..(i + 1) * width].iter();
-        weights.row_mut(feature).iter_mut().zip(row).for_each(|(w, value)| *w = f32::from_le_bytes(*value));
-    }
-    Ok(Linear { actions, columns, weights })
-}
-
 /// The name of the task that the model in the bytes of a file is for; `path` names it in errors.
 ///
 /// # Errors
@@ -344,40 +313,16 @@ pub fn task_of(bytes: &[u8], path: &Path) -> Result<String> {
     struct Named {
         task: String,
     }
-    let body = checked_body(bytes, path)?;
-    let json = split_line(body).map_or(body, |(json, _)| json);
+    let body = MODEL.open(bytes, path)?;
+    let json = first_line(body).map_or(body, |(json, _)| json);
     let named: Named =
-        serde_json::from_slice(json).map_err(|error| damaged(path, &format!("its body is no model: {error}")))?;
+        serde_json::from_slice(json).map_err(|error| MODEL.damaged(path, &format!("its body is no model: {error}")))?;
     Ok(named.task)
-}
-
-/// Little-endian numbers, one array after the other.
-pub struct Arrays<'a> {
-    rest: &'a [u8],
-}
-
-impl<'a> Arrays<'a> {
-    /// The next `count` numbers of 64 bits; `None` when they are not there.
-    pub fn keys(&mut self, count: usize) -> Option<impl ExactSizeIterator<Item = u64> + 'a> {
-        Some(self.take::<8>(count)?.iter().map(|key| u64::from_le_bytes(*key)))
-    }
-
-    /// Whether all have been taken.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.rest.is_empty()
-    }
-
-    /// The next `count` numbers of `N` bytes each; `None` when they are not there.
-    pub(crate) fn take<const N: usize>(&mut self, count: usize) -> Option<&'a [[u8; N]]> {
-        let (taken, rest) = self.rest.split_at_checked(count.checked_mul(N)?)?;
-        self.rest = rest;
-        Some(taken.as_chunks().0)
-    }
 }
 
 /// The bytes of a model file with this body: a head with its length and checksum before it. [`Model::to_bytes`] does so itself.
 pub fn sealed(body: Vec<u8>) -> Vec<u8> {
-    [head(body.len(), checksum(&body)), body].concat()
+    MODEL.close(body)
 }
 
 /// What the body in the bytes of a model file of `task` says of itself, and the arrays behind that; `path` names the file in errors.
@@ -389,56 +334,7 @@ pub(crate) fn opened<'a, H: DeserializeOwned>(bytes: &'a [u8], path: &Path, task
     if name != task {
         return Err(Error::file(path, format!("a model for {name}"), format!("a {task} model is needed")));
     }
-    let (json, rest) = split_line(checked_body(bytes, path)?).ok_or_else(|| damaged(path, "no header"))?;
-    let header = serde_json::from_slice(json).map_err(|error| damaged(path, &error.to_string()))?;
-    Ok((header, Arrays { rest }))
-}
-
-/// The first two lines.
-fn head(length: usize, sum: u64) -> Vec<u8> {
-    format!("{MAGIC}{VERSION}\n{}\n", second_line(length, sum)).into_bytes()
-}
-
-/// The body of a model file, when its length and checksum are right.
-fn checked_body<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8]> {
-    let no_model = || Error::file(path, "not a rollin model", "name a file that `rollin train --model` wrote");
-    let (magic, rest) = split_line(bytes).ok_or_else(no_model)?;
-    let version = std::str::from_utf8(magic).ok().and_then(|line| line.strip_prefix(MAGIC)).ok_or_else(no_model)?;
-    if version != VERSION.to_string() {
-        let problem = format!("a model of format version {version}, but this program reads version {VERSION}");
-        return Err(Error::file(path, problem, "train it again, or use the program that wrote it"));
-    }
-    let (line, body) = split_line(rest).ok_or_else(|| damaged(path, "its second line is missing"))?;
-    let (length, sum) = std::str::from_utf8(line)
-        .ok()
-        .and_then(|line| line.split_once(" bytes, checksum "))
-        .and_then(|(length, sum)| Some((length.parse::<usize>().ok()?, u64::from_str_radix(sum, 16).ok()?)))
-        .filter(|(length, sum)| line == second_line(*length, *sum).as_bytes())
-        .ok_or_else(|| damaged(path, "its second line gives no length and checksum"))?;
-    if body.len() != length {
-        return Err(damaged(path, &format!("it has {} bytes of {length}", body.len())));
-    }
-    if checksum(body) != sum {
-        return Err(damaged(path, "its checksum is wrong"));
-    }
-    Ok(body)
-}
-
-/// The line that tells the body's length and checksum.
-fn second_line(length: usize, sum: u64) -> String {
-    format!("{length} bytes, checksum {sum:016x}")
-}
-
-fn damaged(path: &Path, what: &str) -> Error {
-    Error::file(path, format!("the model is damaged: {what}"), "copy or train it again")
-}
-
-/// The first line without its end, and the rest.
-fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let end = memchr::memchr(b'\n', bytes)?;
-    Some((&bytes[..end], &bytes[end + 1..]))
-}
-
-fn checksum(bytes: &[u8]) -> u64 {
-    rapidhash::v3::rapidhash_v3(bytes)
+    let (json, rest) = first_line(MODEL.open(bytes, path)?).ok_or_else(|| MODEL.damaged(path, "no header"))?;
+    let header = serde_json::from_slice(json).map_err(|error| MODEL.damaged(path, &error.to_string()))?;
+    Ok((header, Arrays::of(rest)))
 }

@@ -1,10 +1,12 @@
 //! Learners by name.
 
 use super::AnyClassifier;
+use super::classifiers::put_kind;
 use crate::learner::{
-    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Learner, Logistic, Net, NetCourse, Online,
+    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Kept, Learner, Logistic, Net, NetCourse, Online,
     Perceptron, Setting, Svm, SvmCourse, Target, Wap,
 };
+use crate::output::Arrays;
 use crate::policy::{Classifier, Linear, Neural, NeuralMemory};
 use crate::seed::Seed;
 use crate::space::{Action, Features, Sight};
@@ -141,6 +143,37 @@ impl Classifier<Features> for AnyCourse {
             AnyCourse::Svm(course) => course.choose(sight, &mut memory.input),
             AnyCourse::Crammer(course) => course.choose(sight, &mut memory.input),
             AnyCourse::Net(course) => course.choose(sight, memory),
+        }
+    }
+}
+
+impl Kept<Features> for AnyCourse {
+    fn put(&self, to: &mut Vec<u8>) {
+        match self {
+            AnyCourse::Linear(course) => put_kind(0, course, to),
+            AnyCourse::Svm(course) => put_kind(1, course, to),
+            AnyCourse::Crammer(course) => put_kind(2, course, to),
+            AnyCourse::Net(course) => put_kind(3, course, to),
+        }
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
+        Some(match u8::take(from, setting)? {
+            0 => AnyCourse::Linear(Kept::take(from, setting)?),
+            1 => AnyCourse::Svm(Kept::take(from, setting)?),
+            2 => AnyCourse::Crammer(Kept::take(from, setting)?),
+            3 => AnyCourse::Net(Kept::take(from, setting)?),
+            _ => return None,
+        })
+    }
+
+    fn follows(&self, start: &Self) -> bool {
+        match (self, start) {
+            (AnyCourse::Linear(course), AnyCourse::Linear(start)) => course.follows(start),
+            (AnyCourse::Svm(course), AnyCourse::Svm(start)) => course.follows(start),
+            (AnyCourse::Crammer(course), AnyCourse::Crammer(start)) => course.follows(start),
+            (AnyCourse::Net(course), AnyCourse::Net(start)) => course.follows(start),
+            _ => false,
         }
     }
 }

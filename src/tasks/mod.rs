@@ -21,21 +21,22 @@ pub mod tabular;
 pub mod tagging;
 mod training;
 
+pub use crate::output::Arrays;
 pub use classifiers::AnyClassifier;
 pub use confidence::Done;
 pub use explain::{Names, Reason, Share};
-pub use file::{Arrays, MOST_UNITS, Parts, sealed, task_of};
-pub(crate) use file::{opened, put_rows, take_rows};
+pub(crate) use file::opened;
+pub use file::{MOST_UNITS, Parts, sealed, task_of};
 pub use learners::{AnyCourse, AnyLearner};
 pub use model::{About, Learned, Model};
 pub use recipe::Recipe;
-pub use training::Trainer;
+pub use training::{KeepsAll, Trainer};
 
 use crate::error::Result;
 use crate::read::conll::{Block, Line};
 use crate::seed::Seed;
 use crate::space::{Action, CostToGo, Features, Imitation, Silent, Space};
-use crate::trainer::{Run, Trained};
+use crate::trainer::{Keeping, Run, Trained};
 use serde::{Serialize, de::DeserializeOwned};
 use std::io::{self, Write};
 use std::path::Path;
@@ -84,7 +85,11 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// Those of `train`.
-    fn train(problem: &ProblemOf<Self>, run: &Run<'_>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
+    fn train(
+        problem: &ProblemOf<Self>,
+        run: &Run<'_, Keeping>,
+        train: &Training<'_, Self>,
+    ) -> Result<Trained<Learned>> {
         train(problem, run)
     }
 
@@ -234,7 +239,7 @@ pub trait Task: Sized + Send + Sync {
 pub type ProblemOf<T> = Imitation<<T as Task>::Space, <T as Task>::Expert>;
 
 /// What trains one policy.
-pub type Training<'a, T> = dyn Fn(&ProblemOf<T>, &Run<'_>) -> Result<Trained<Learned>> + 'a;
+pub type Training<'a, T> = dyn Fn(&ProblemOf<T>, &Run<'_, Keeping>) -> Result<Trained<Learned>> + 'a;
 
 /// The words for what a task's corpora are made of, in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

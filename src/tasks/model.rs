@@ -171,6 +171,9 @@ pub struct About {
     pub tokens: usize,
     /// The bill.
     pub ledger: Ledger,
+    /// The round after which training was stopped, where that was before its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<usize>,
 }
 
 /// A trained model of a task: what turns text into features, and the policy.

@@ -46,7 +46,7 @@ impl Recipe {
     /// When `data` cannot be learned from with these `settings`, or a setting of trainer or learner is out of its range.
     pub fn train<T: Task>(&self, data: &T::Data, settings: T::Settings) -> Result<Model<T>> {
         let (encoding, problem) = T::learn(data, settings)?;
-        let run = Run::new(self.seed);
+        let run = Run::new(self.seed).kept(None);
         let trained = T::train(&problem, &run, &|problem, run| self.trainer.train(problem, &self.learner, run))?;
         self.model(encoding, data, trained)
     }
@@ -61,6 +61,7 @@ impl Recipe {
             data: data.path().display().to_string(),
             sentences: data.sentences(),
             tokens: data.tokens(),
+            stopped: trained.stopped.then_some(trained.rounds.len()),
             ledger: trained.ledger,
         };
         Model::new(encoding, trained.policy.read_as(self.reading), about)

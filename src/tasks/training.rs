@@ -1,14 +1,15 @@
 //! Training by name: any trainer with any learner, on any task.
 
-use super::learners::AnyLearner;
-use super::model::Learned;
+use super::learners::{AnyCourse, AnyLearner};
+use super::{AnyClassifier, Learned};
 use crate::error::Result;
-use crate::policy::Mixture;
+use crate::policy::{Ladder, Mixture};
 use crate::roll::Shortcut;
-use crate::space::{CostToGo, Features, Problem, Space, StateOf};
+use crate::space::{Action, CostToGo, Features, Problem, Space, StateOf};
 use crate::theory::ledgers::{self, Expected, Extent};
 use crate::trainer::{
-    Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Run, Searn, Smile, Stacking, Supervised, Trained,
+    Aggregate, Aggrevate, Averaged, Cpi, Dagger, EarlyUpdate, Forward, Keeper, Lols, Rate, Run, Searn, Slots, Smile,
+    Stacking, Supervised, Trained,
 };
 use serde::{Deserialize, Serialize};
 
@@ -51,12 +52,42 @@ impl Default for Trainer {
     }
 }
 
+/// A keeper for all trainers of this module, with any learner.
+pub trait KeepsAll:
+    Keeper<Features, Mixture<AnyClassifier>>
+    + Keeper<Features, (Mixture<AnyClassifier>, Slots<Features>)>
+    + Keeper<Features, (Mixture<AnyClassifier>, bool)>
+    + Keeper<Features, Ladder<AnyClassifier>>
+    + Keeper<Features, Aggregate<Features, AnyClassifier>>
+    + Keeper<Features, Option<(AnyClassifier, Vec<Vec<Action>>)>>
+    + Keeper<Features, AnyCourse>
+    + Keeper<Features, Averaged>
+{
+}
+
+impl<K> KeepsAll for K where
+    K: Keeper<Features, Mixture<AnyClassifier>>
+        + Keeper<Features, (Mixture<AnyClassifier>, Slots<Features>)>
+        + Keeper<Features, (Mixture<AnyClassifier>, bool)>
+        + Keeper<Features, Ladder<AnyClassifier>>
+        + Keeper<Features, Aggregate<Features, AnyClassifier>>
+        + Keeper<Features, Option<(AnyClassifier, Vec<Vec<Action>>)>>
+        + Keeper<Features, AnyCourse>
+        + Keeper<Features, Averaged>
+{
+}
+
 impl Trainer {
     /// Trains on `problem` with `learner`, which [`Trainer::EarlyUpdate`] leaves alone.
     ///
     /// # Errors
     /// When a setting is out of its range or the problem has no episodes.
-    pub fn train<P: Problem>(&self, problem: &P, learner: &AnyLearner, run: &Run<'_>) -> Result<Trained<Learned>>
+    pub fn train<P: Problem>(
+        &self,
+        problem: &P,
+        learner: &AnyLearner,
+        run: &Run<'_, impl KeepsAll>,
+    ) -> Result<Trained<Learned>>
     where
         P::Space: Space<View = Features>,
         P::Expert: CostToGo<P::Space>,

@@ -1,8 +1,8 @@
 //! AggreVaTe (Ross & Bagnell 2014, Algorithm 1).
 
-use super::{Book, Run, Schedule, Trained, check_rounds};
+use super::{Aggregate, Book, Keeper, Run, Schedule, Trained, check_rounds};
 use crate::error::Result;
-use crate::learner::{Examples, Learner, Setting};
+use crate::learner::{Learner, Setting};
 use crate::policy::{Follow, Greedy, Mixture};
 use crate::roll::{self, Costing, Round};
 use crate::seed::{Purpose, Seed};
@@ -58,7 +58,7 @@ impl Aggrevate {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         // Execute pi_i up to t-1, some action at t, the expert from t+1 to T.
         self.rounds(problem, learner, run, |policy, seed| roll::deviations(problem, policy, &Follow, "aggrevate", seed))
@@ -73,7 +73,7 @@ impl Aggrevate {
         problem: &P,
         learner: &L,
         costing: &impl for<'c> Costing<P, Mixture<&'c L::Classifier>>,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         let episodes = all(problem);
         self.rounds(problem, learner, run, |policy, seed| Ok(roll::costs(problem, policy, costing, &episodes, seed)))
@@ -83,29 +83,23 @@ impl Aggrevate {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
         collect: impl Fn(&Mixture<&L::Classifier>, Seed) -> Result<(Round<P>, Ledger)>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
         self.schedule.check()?;
         let mut book = Book::open(problem, run)?;
-        let mut aggregate = Examples::default();
-        let seed = |i: usize| run.seed.child(Purpose::Round, i as u64);
-        let mut round = book.bill(collect(&Mixture::of_expert(), seed(1))?);
-        let mut warm: Option<L::Classifier> = None;
-        let mut i = 1;
-        loop {
-            aggregate.absorb(round.examples); // D <- D u D_i
-            let warm_start = warm.as_ref().filter(|_| self.warm);
-            let learned = learner.fit(Setting::of(problem), &aggregate, warm_start, seed(i).child(Purpose::Learner, 0));
-            book.round(self.rounds, round.cost);
-            if i >= self.rounds {
-                return Ok(book.close(Greedy(learned)));
-            }
-            i += 1;
+        let mut data = book.resume(Aggregate::default())?;
+        while let Some(i) = book.next(self.rounds) {
+            let seed = run.seed.child(Purpose::Round, i as u64);
             // pi_i = beta_i pi* + (1-beta_i) pihat_i
-            round = book.bill(collect(&Mixture::shared(self.schedule.share(i), &learned), seed(i))?);
-            warm = Some(learned);
+            let round = book.bill(collect(&data.policy(self.schedule.share(i)), seed)?);
+            data.examples.absorb(round.examples); // D <- D u D_i
+            let warm = data.learned.as_ref().filter(|_| self.warm);
+            let seed = seed.child(Purpose::Learner, 0);
+            data.learned = Some(learner.fit(Setting::of(problem), &data.examples, warm, seed));
+            book.round(self.rounds, round.cost, &data)?;
         }
+        Ok(book.close(data.finish()?))
     }
 }

@@ -1,6 +1,6 @@
 //! Conservative policy iteration (Kakade & Langford 2002), begun from the expert as Ross & Bagnell (2010, section 4) read it.
 
-use super::{Book, Run, Trained, check_rate, check_rounds};
+use super::{Book, Keeper, Run, Trained, check_rate, check_rounds};
 use crate::error::{Error, Result};
 use crate::learner::{Learner, Setting};
 use crate::policy::{Classifier, Mixture, Policy};
@@ -78,7 +78,7 @@ impl Cpi {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, (Mixture<L::Classifier>, bool)>>,
     ) -> Result<Trained<Mixture<L::Classifier>>>
     where
         StateOf<P>: Clone,
@@ -98,38 +98,39 @@ impl Cpi {
         problem: &P,
         learner: &L,
         costing: &impl Costing<P, Mixture<L::Classifier>>,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, (Mixture<L::Classifier>, bool)>>,
     ) -> Result<Trained<Mixture<L::Classifier>>> {
         if let Rate::Fixed(rate) = self.rate {
             check_rate("rate", rate)?;
         }
         check_rounds(self.rounds)?;
         let mut book = Book::open(problem, run)?;
-        let mut policy = Mixture::of_expert();
-        for i in 1..=self.rounds {
+        // The mixture, and whether nothing is to be gained any more.
+        let mut state = book.resume((Mixture::of_expert(), false))?;
+        while !state.1
+            && let Some(i) = book.next(self.rounds)
+        {
+            let (policy, ends) = &mut state;
             let seed = run.seed.child(Purpose::Round, i as u64);
-            let examples = book.bill(roll::costs_once(problem, &policy, costing, "cpi", seed)?);
+            let examples = book.bill(roll::costs_once(problem, policy, costing, "cpi", seed)?);
             let warm = policy.members().last().map(|(_, classifier)| classifier).filter(|_| self.warm);
             let chosen = learner.fit(Setting::of(problem), &examples, warm, seed.child(Purpose::Learner, 0));
             let (step, cost) = match self.rate {
                 Rate::Fixed(rate) => (rate, f64::NAN),
                 Rate::Advantage => {
-                    let (disadvantage, cost) = book.bill(disadvantage(problem, &policy, &chosen, seed));
+                    let (disadvantage, cost) = book.bill(disadvantage(problem, policy, &chosen, seed));
                     (safe_step(problem, disadvantage / problem.episodes() as f64), cost)
                 }
             };
-            let ends = step <= 0.0;
-            if !ends {
+            *ends = step <= 0.0;
+            if !*ends {
                 policy.blend(step, chosen); // pi <- (1-b) pi + b pi'
             } else if policy.members().is_empty() {
-                policy = Mixture::of_one(chosen);
+                *policy = Mixture::of_one(chosen);
             }
-            book.round(self.rounds, cost);
-            if ends {
-                break;
-            }
+            book.round(self.rounds, cost, &state)?;
         }
-        Ok(book.close(policy.without_expert()))
+        Ok(book.close(state.0.without_expert()))
     }
 }
 

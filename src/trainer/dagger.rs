@@ -1,14 +1,13 @@
 //! DAgger (Ross, Gordon & Bagnell 2011).
 
-use super::{Book, Run, Trained, check_rounds};
+use super::{Aggregate, Book, Keeper, Run, Shuffled, Trained, check_rounds};
 use crate::error::{Error, Result};
-use crate::learner::{Examples, Learner, Online, Setting, Target};
-use crate::policy::{Follow, Greedy, Mixture};
+use crate::learner::{Learner, Online, Setting, Target};
+use crate::policy::Greedy;
 use crate::roll;
 use crate::seed::Purpose;
 use crate::space::{Episode, Gather, Problem, ViewOf};
 use crate::worker::{Worker, all};
-use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 /// beta_i: the probability with which the expert drives at a step of round i = 1, 2, ... In the first round it always drives.
@@ -108,31 +107,24 @@ impl Dagger {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
         let schedule = self.schedule.unwrap_or_default();
         schedule.check()?;
         let mut book = Book::open(problem, run)?;
         let (setting, episodes) = (Setting::of(problem), all(problem));
-        let seed = |i: usize| run.seed.child(Purpose::Round, i as u64);
-        let mut aggregate = Examples::default();
-        let mut warm: Option<L::Classifier> = None;
-        let mut round = book.bill(roll::labels(problem, &Follow, &episodes, seed(1)));
-        let mut i = 1;
-        loop {
-            aggregate.absorb(round.examples); // D <- D u D_i
-            let learner_seed = seed(i).child(Purpose::Learner, 0);
-            let learned = Greedy(learner.fit(setting, &aggregate, warm.as_ref().filter(|_| self.warm), learner_seed));
-            book.round(self.rounds, round.cost);
-            if i >= self.rounds {
-                return Ok(book.close(learned));
-            }
-            let policy = Mixture::shared(schedule.share(i + 1), &learned.0); // pi_i = beta_i pi* + (1-beta_i) pihat_i
-            round = book.bill(roll::labels(problem, &policy, &episodes, seed(i + 1)));
-            warm = Some(learned.0);
-            i += 1;
+        let mut data = book.resume(Aggregate::default())?;
+        while let Some(i) = book.next(self.rounds) {
+            let seed = run.seed.child(Purpose::Round, i as u64);
+            let policy = data.policy(schedule.share(i)); // pi_i = beta_i pi* + (1-beta_i) pihat_i
+            let round = book.bill(roll::labels(problem, &policy, &episodes, seed));
+            data.examples.absorb(round.examples); // D <- D u D_i
+            let warm = data.learned.as_ref().filter(|_| self.warm);
+            data.learned = Some(learner.fit(setting, &data.examples, warm, seed.child(Purpose::Learner, 0)));
+            book.round(self.rounds, round.cost, &data)?;
         }
+        Ok(book.close(data.finish()?))
     }
 
     /// Trains on `problem` with an online `learner`, which learns at every state it reaches as soon as it has acted there. Without a
@@ -144,19 +136,18 @@ impl Dagger {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, L::Course>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
         self.schedule.map_or(Ok(()), Schedule::check)?;
         let mut book = Book::open(problem, run)?;
-        let mut course = learner.begin(Setting::of(problem), None);
-        let mut episodes = all(problem);
-        for i in 1..=self.rounds {
+        let mut course = book.resume(learner.begin(Setting::of(problem), None))?;
+        let mut episodes = Shuffled::after(book.done(), problem, run.seed);
+        while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
-            episodes.shuffle(&mut seed.child(Purpose::Learner, 0).rng());
             let mut worker = Worker::new(problem);
             let (mut cost, share) = (0.0, self.schedule.map_or(0.0, |schedule| schedule.share(i)));
-            for &index in &episodes {
+            for index in episodes.next() {
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
                 cost += worker.episode(episode, |visit| {
                     let learned = match visit.label() {
@@ -170,7 +161,7 @@ impl Dagger {
                 });
             }
             book.bill(((), worker.ledger()));
-            book.round(self.rounds, cost);
+            book.round(self.rounds, cost, &course)?;
         }
         Ok(book.close(Greedy(learner.finish(course))))
     }

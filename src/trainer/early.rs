@@ -1,14 +1,14 @@
 //! The structured perceptron with early update (Collins & Roark 2004): the classic that the others are measured against.
 
-use super::{Book, Run, Trained, check_rounds};
+use super::{Book, Keeper, Run, Shuffled, Trained, check_rounds};
 use crate::error::{Error, Result};
-use crate::learner::{Examples, Target};
+use crate::learner::{Examples, Kept, MOST_COUNTED, Setting, Target};
+use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights};
 use crate::roll::Performance;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Episode, FeatureTable, Features, Gather, Problem, Space, StateOf, ViewOf};
 use crate::worker::{Ledger, Visit, Worker, all, sweep};
-use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 /// The structured perceptron with beam search and early update: paths are scored as wholes, the sum of their steps' linear scores, and as soon
@@ -116,7 +116,11 @@ impl EarlyUpdate {
     ///
     /// # Errors
     /// When the beam's width is not from 1 to 1024, there are no rounds or the problem has no episodes.
-    pub fn train<P: Problem>(&self, problem: &P, run: &Run<'_>) -> Result<Trained<Beam<Linear>>>
+    pub fn train<P: Problem>(
+        &self,
+        problem: &P,
+        run: &Run<'_, impl Keeper<Features, Averaged>>,
+    ) -> Result<Trained<Beam<Linear>>>
     where
         P::Space: Space<View = Features>,
         StateOf<P>: Clone,
@@ -127,21 +131,24 @@ impl EarlyUpdate {
         }
         let mut book = Book::open(problem, run)?;
         let start = run.seed.child(Purpose::Round, 0);
-        let reference = book.bill(expert_paths(problem, start));
-        let mut course = Course::new(problem.space(), reference);
-        let mut episodes = all(problem);
-        for i in 1..=self.rounds {
-            episodes.shuffle(&mut run.seed.child(Purpose::Round, i as u64).child(Purpose::Learner, 0).rng());
+        let (reference, bill) = expert_paths(problem, start);
+        let mut learned = book.resume(Averaged::new(problem.space()))?;
+        if book.done() == 0 {
+            book.bill(((), bill));
+        }
+        let mut episodes = Shuffled::after(book.done(), problem, run.seed);
+        while book.next(self.rounds).is_some() {
             let mut worker = Worker::new(problem);
-            for &index in &episodes {
+            let mut course = Course { table: problem.space().shared(), reference: &reference, learned: &mut learned };
+            for index in episodes.next() {
                 // The episode of the expert's path: under the same randomness.
                 let episode = Episode { index, seed: start.child(Purpose::Episode, index as u64) };
                 course.learn(&mut worker, episode, self.width);
             }
             book.bill(((), worker.ledger()));
-            book.round(self.rounds, f64::NAN);
+            book.round(self.rounds, f64::NAN, &learned)?;
         }
-        Ok(book.close(Beam { classifier: course.finish(), width: self.width }))
+        Ok(book.close(Beam { classifier: learned.finish(), width: self.width }))
     }
 }
 
@@ -165,24 +172,60 @@ where
     })
 }
 
-/// Learning in progress.
-struct Course<'p> {
-    table: &'p FeatureTable,
-    reference: Reference,
+/// Weights, and what their average will be made of: what [`EarlyUpdate`] knows after a round.
+#[derive(Clone, Debug)]
+pub struct Averaged {
     linear: Linear,
     /// The sums of the weights' changes times when they came.
     changes: Weights,
     seen: usize,
 }
 
-impl<'p> Course<'p> {
-    fn new<S: Space<View = Features>>(space: &'p S, reference: Reference) -> Self {
-        let (table, actions) = (space.shared(), space.actions());
-        let weights = Weights::new(table.features(), actions);
+impl Averaged {
+    fn new<S: Space<View = Features>>(space: &S) -> Self {
+        let actions = space.actions();
+        let weights = Weights::new(space.shared().features(), actions);
         let changes = weights.clone();
-        Course { table, reference, linear: Linear { actions, columns: Columns::Actions, weights }, changes, seen: 0 }
+        Averaged { linear: Linear { actions, columns: Columns::Actions, weights }, changes, seen: 0 }
     }
 
+    /// The weights' average over the episodes seen.
+    fn finish(self) -> Linear {
+        let (changes, seen) = (self.changes, self.seen.max(1) as f32);
+        // Both have their rows in the same order: they were always changed together.
+        let weights = self.linear.weights.map_rows(|place, row| {
+            row.iter_mut().zip(changes.at(place)).for_each(|(w, changes)| *w -= *changes / seen);
+        });
+        Linear { weights, ..self.linear }
+    }
+}
+
+impl Kept<Features> for Averaged {
+    fn put(&self, to: &mut Vec<u8>) {
+        let changes = Linear { weights: self.changes.clone(), ..self.linear };
+        self.linear.put(to);
+        changes.put(to);
+        Kept::<Features>::put(&self.seen, to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
+        let (linear, (changes, seen)) = <(Linear, (Linear, usize))>::take(from, setting)?;
+        let changes = changes.weights;
+        let same = |feature: u32| linear.weights.place(feature) == changes.place(feature);
+        let counted = seen as u64 <= MOST_COUNTED;
+        let possible = counted && linear.columns == Columns::Actions && (0..changes.features() as u32).all(same);
+        (possible && changes.columns() == linear.weights.columns()).then_some(Averaged { linear, changes, seen })
+    }
+}
+
+/// Learning in progress.
+struct Course<'p> {
+    table: &'p FeatureTable,
+    reference: &'p Reference,
+    learned: &'p mut Averaged,
+}
+
+impl Course<'_> {
     /// Searches until the right path has fallen out of the beam, or to the end; then, where the best path is not the right one, moves the
     /// weights from the one to the other, from where they part.
     fn learn<P: Problem>(&mut self, worker: &mut Worker<'_, P>, episode: Episode, width: usize)
@@ -190,7 +233,7 @@ impl<'p> Course<'p> {
         P::Space: Space<View = Features>,
         StateOf<P>: Clone,
     {
-        let Course { table, reference, linear, changes, seen } = self;
+        let Course { table, reference, learned: Averaged { linear, changes, seen } } = self;
         let (first, Some(right)) = &reference.paths[episode.index] else { return };
         let mut memory = LinearMemory::default();
         let paths = worker.beam(
@@ -226,16 +269,6 @@ impl<'p> Course<'p> {
         }
         *seen += 1;
     }
-
-    /// The weights' average over the episodes seen.
-    fn finish(self) -> Linear {
-        let (changes, seen) = (self.changes, self.seen.max(1) as f32);
-        // Both have their rows in the same order: they were always changed together.
-        let weights = self.linear.weights.map_rows(|place, row| {
-            row.iter_mut().zip(changes.at(place)).for_each(|(w, changes)| *w -= *changes / seen);
-        });
-        Linear { weights, ..self.linear }
-    }
 }
 
 #[cfg(test)]
@@ -250,14 +283,15 @@ mod tests {
         let reference = expert_paths(&problem, Seed::new(1)).0;
         let lengths: Vec<usize> = reference.paths.iter().map(|(_, path)| path.as_ref().map_or(0, Vec::len)).collect();
         assert_eq!((reference.views.len(), lengths), (15, vec![4, 5, 3, 3]));
-        let mut course = Course::new(problem.space(), reference);
+        let mut learned = Averaged::new(problem.space());
+        let mut course = Course { table: problem.space().shared(), reference: &reference, learned: &mut learned };
         let mut worker = Worker::new(&problem);
         let episode = Episode { index: 0, seed: Seed::new(1) };
         for _ in 0..20 {
             course.learn(&mut worker, episode, 2);
         }
-        let before = course.linear.clone();
+        let before = course.learned.linear.clone();
         course.learn(&mut worker, episode, 2);
-        assert!(!before.weights.is_empty() && course.linear == before);
+        assert!(!before.weights.is_empty() && course.learned.linear == before);
     }
 }

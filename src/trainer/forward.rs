@@ -1,6 +1,6 @@
 //! Forward training (Ross & Bagnell 2010, section 3, Algorithm 3.1).
 
-use super::{Book, Run, Trained};
+use super::{Book, Keeper, Run, Trained};
 use crate::error::{Error, Result};
 use crate::learner::{Learner, Setting};
 use crate::policy::Ladder;
@@ -52,17 +52,21 @@ impl Forward {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Ladder<L::Classifier>>>,
     ) -> Result<Trained<Ladder<L::Classifier>>> {
         if self.longest == 0 {
             return Err(Error::argument("longest", 0, "at least 1"));
         }
         let mut book = Book::open(problem, run)?;
-        let mut policy = Ladder::new();
+        let mut policy = book.resume(Ladder::new())?;
         let mut episodes = all(problem);
-        for i in 0..self.longest {
+        let known: Option<Vec<usize>> = episodes.iter().map(|index| problem.space().horizon(*index)).collect();
+        let rounds =
+            known.and_then(|lengths| lengths.into_iter().max()).map_or(self.longest, |most| most.min(self.longest));
+        while let Some(round) = book.next(rounds) {
+            let i = round - 1;
             episodes.retain(|index| problem.space().horizon(*index).is_none_or(|length| length > i));
-            let seed = run.seed.child(Purpose::Round, 1 + i as u64);
+            let seed = run.seed.child(Purpose::Round, round as u64);
             let data = book.bill(roll::labels_at(problem, &policy, i, &episodes, seed));
             if data.is_empty() {
                 break;
@@ -71,7 +75,7 @@ impl Forward {
             let classifier = learner.fit(Setting::of(problem), &data, warm, seed.child(Purpose::Learner, 0));
             policy.push(classifier);
             let longest = episodes.iter().filter_map(|index| problem.space().horizon(*index)).max();
-            book.round(longest.unwrap_or(i + 1).min(self.longest), f64::NAN);
+            book.round(longest.unwrap_or(round).min(self.longest), f64::NAN, &policy)?;
         }
         Ok(book.close(policy.without_expert()))
     }

@@ -1,14 +1,13 @@
 //! LOLS (Chang, Krishnamurthy, Agarwal, Daumé & Langford 2015, Algorithm 1).
 
-use super::{Book, Run, Trained, check_chance, check_rounds};
+use super::{Aggregate, Book, Keeper, Run, Shuffled, Trained, check_chance, check_rounds};
 use crate::error::Result;
-use crate::learner::{Examples, Learner, Online, Setting};
-use crate::policy::{Greedy, Mixture, Policy};
+use crate::learner::{Learner, Online, Setting};
+use crate::policy::{Greedy, Policy};
 use crate::roll::{Actor, Costing, Mixed, Round, record_costs};
 use crate::seed::Purpose;
 use crate::space::{Action, Episode, Gather, Problem, StateOf, ViewOf};
 use crate::worker::{Memo, Worker, all, sweep};
-use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 /// Locally optimal learning to search: roll in with what is learned, try every action at every state, and roll out with the expert (the
@@ -93,33 +92,28 @@ impl Lols {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>>
     where
         StateOf<P>: Clone,
     {
         self.check()?;
         let mut book = Book::open(problem, run)?;
-        let mut aggregate = Examples::default();
-        let mut learned: Option<L::Classifier> = None;
-        let mut i = 1;
-        loop {
+        let mut data = book.resume(Aggregate::default())?;
+        while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
-            let policy = learned.as_ref().map_or_else(Mixture::of_expert, Mixture::of_one);
+            let policy = data.policy(0.0);
             let haul = book.bill(sweep(problem, &all(problem), seed, |worker, scratch, episode, haul| {
                 self.episode(worker, &policy, episode, scratch, haul);
             }));
-            let regret = learned.is_some().then(|| self.regret(&haul, problem.episodes()));
-            aggregate.absorb(haul.round.examples);
-            let warm = learned.as_ref().filter(|_| self.warm);
-            let classifier = learner.fit(Setting::of(problem), &aggregate, warm, seed.child(Purpose::Learner, 0));
-            book.round_with(self.rounds, haul.round.cost, regret);
-            if i >= self.rounds {
-                return Ok(book.close(Greedy(classifier)));
-            }
-            learned = Some(classifier);
-            i += 1;
+            let regret = data.learned.is_some().then(|| self.regret(&haul, problem.episodes()));
+            data.examples.absorb(haul.round.examples);
+            let warm = data.learned.as_ref().filter(|_| self.warm);
+            let seed = seed.child(Purpose::Learner, 0);
+            data.learned = Some(learner.fit(Setting::of(problem), &data.examples, warm, seed));
+            book.round_with(self.rounds, (haul.round.cost, regret), &data)?;
         }
+        Ok(book.close(data.finish()?))
     }
 
     /// Trains on `problem` with an online `learner`, which learns after every episode, in a new order each round, one after the other: more
@@ -131,7 +125,7 @@ impl Lols {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, L::Course>>,
     ) -> Result<Trained<Greedy<L::Classifier>>>
     where
         StateOf<P>: Clone,
@@ -139,14 +133,13 @@ impl Lols {
         self.check()?;
         let mut book = Book::open(problem, run)?;
         let setting = Setting::of(problem);
-        let mut course = learner.begin(setting, None);
-        let mut episodes = all(problem);
+        let mut course = book.resume(learner.begin(setting, None))?;
+        let mut episodes = Shuffled::after(book.done(), problem, run.seed);
         let mut scratch = Scratch::default();
-        for i in 1..=self.rounds {
+        while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
-            episodes.shuffle(&mut seed.child(Purpose::Learner, 0).rng());
             let (mut worker, mut sums) = (Worker::new(problem), Haul::<P>::default());
-            for &index in &episodes {
+            for index in episodes.next() {
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
                 let mut haul = Haul::default();
                 self.episode(&mut worker, &Greedy(&course), episode, &mut scratch, &mut haul);
@@ -155,7 +148,8 @@ impl Lols {
                 sums.absorb(haul);
             }
             book.bill(((), worker.ledger()));
-            book.round_with(self.rounds, sums.round.cost, Some(self.regret(&sums, episodes.len())));
+            let regret = self.regret(&sums, problem.episodes());
+            book.round_with(self.rounds, (sums.round.cost, Some(regret)), &course)?;
         }
         Ok(book.close(Greedy(learner.finish(course))))
     }

@@ -34,11 +34,12 @@
 //! Reused trajectories are not independent of the classifiers trained on them: measure errors and costs on fresh ones.
 
 use crate::error::{Error, Result};
-use crate::learner::Examples;
+use crate::learner::{Examples, Kept, Setting};
+use crate::output::Arrays;
 use crate::policy::{Classifier, Member, Mixture, MixtureMemory};
 use crate::roll::{self, Round};
 use crate::seed::{Purpose, Seed};
-use crate::space::{Problem, Space, ViewOf};
+use crate::space::{Problem, Space, View, ViewOf};
 use crate::worker::{Ledger, all, sweep};
 use rand::seq::index;
 use serde::{Deserialize, Serialize};
@@ -99,8 +100,8 @@ enum Plan {
 }
 
 /// One run of an episode, labelled.
-struct Trajectory<P: Problem> {
-    examples: Examples<ViewOf<P>>,
+struct Trajectory<V: View> {
+    examples: Examples<V>,
     /// Steps.
     length: usize,
     /// Steps at which the expert did not act.
@@ -108,30 +109,67 @@ struct Trajectory<P: Problem> {
     cost: f64,
 }
 
-impl<P: Problem> Trajectory<P> {
+impl<V: View> Trajectory<V> {
     fn new() -> Self {
         Trajectory { examples: Examples::default(), length: 0, taught: 0, cost: 0.0 }
     }
 }
 
-/// The trajectories of all slots.
-pub(super) struct Pool<P: Problem> {
+/// Trajectories, each with the number of its episode.
+type Pieces<V> = Vec<(usize, Trajectory<V>)>;
+
+/// The trajectories of all slots: what SMILe knows after a round beside the mixture.
+pub struct Slots<V: View> {
+    slots: Vec<Trajectory<V>>,
+    /// The episode each slot is a piece of, and how long a piece.
+    owners: Vec<(usize, usize)>,
+}
+
+impl<V: View> Default for Slots<V> {
+    fn default() -> Self {
+        Slots { slots: Vec::new(), owners: Vec::new() }
+    }
+}
+
+impl<V: View<Store: Kept<V>>> Kept<V> for Slots<V> {
+    fn put(&self, to: &mut Vec<u8>) {
+        self.slots.put(to);
+        Kept::<V>::put(&self.owners, to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, V>) -> Option<Self> {
+        let (slots, owners) = <(Vec<_>, Vec<_>)>::take(from, setting)?;
+        (slots.len() == owners.len()).then_some(Slots { slots, owners })
+    }
+}
+
+impl<V: View<Store: Kept<V>>> Kept<V> for Trajectory<V> {
+    fn put(&self, to: &mut Vec<u8>) {
+        self.examples.put(to);
+        Kept::<V>::put(&(self.cost, (self.length, self.taught)), to);
+    }
+
+    fn take(from: &mut Arrays<'_>, setting: Setting<'_, V>) -> Option<Self> {
+        let (examples, (cost, (length, taught))) = Kept::take(from, setting)?;
+        Some(Trajectory { examples, length, taught, cost })
+    }
+}
+
+/// The slots, and how they are filled anew.
+pub(super) struct Pool<'a, P: Problem> {
     reuse: Reuse,
     alpha: f64,
     /// Where a slot's draws of members hang: the round's node, or for ageing one for good.
     seed: Seed,
     /// Steps of a piece, where episodes are cut.
     piece: Option<usize>,
-    slots: Vec<Trajectory<P>>,
-    /// The episode each slot is a piece of, and how long a piece.
-    owners: Vec<(usize, usize)>,
+    kept: &'a mut Slots<ViewOf<P>>,
 }
 
-impl<P: Problem> Pool<P> {
-    /// An empty pool.
-    pub fn new(reuse: Reuse, alpha: f64, piece: Option<usize>, seed: Seed) -> Self {
-        let seed = seed.child(Purpose::Member, 0);
-        Pool { reuse, alpha, piece, seed, slots: Vec::new(), owners: Vec::new() }
+impl<'a, P: Problem> Pool<'a, P> {
+    /// The pool of what is `kept`.
+    pub fn new(reuse: Reuse, alpha: f64, piece: Option<usize>, seed: Seed, kept: &'a mut Slots<ViewOf<P>>) -> Self {
+        Pool { reuse, alpha, piece, seed: seed.child(Purpose::Member, 0), kept }
     }
 
     /// Makes D_n for the mixture pi^n from D_{n-1}: returns all of it, and the bill of what was run anew.
@@ -141,18 +179,33 @@ impl<P: Problem> Pool<P> {
         policy: &Mixture<C>,
         seed: Seed,
     ) -> Result<(Round<P>, Ledger)> {
-        let bill = if self.slots.is_empty() {
+        let bill = if self.kept.slots.is_empty() {
             self.fill(problem, policy, seed)
         } else {
+            self.check(problem)?;
             let plans = self.plans(problem, policy, seed)?;
             self.renew(problem, policy, &plans, seed)
         };
         let mut round = Round::default();
-        for slot in &self.slots {
+        for slot in &self.kept.slots {
             round.examples.extend_from(&slot.examples);
             round.cost += slot.cost;
         }
         Ok((round, bill))
+    }
+
+    /// Refuses slots that are not pieces of the problem's episodes.
+    fn check(&self, problem: &P) -> Result<()> {
+        let longest = |index: usize| self.piece.or_else(|| problem.space().horizon(index));
+        let fits = |(slot, (index, length)): (&Trajectory<ViewOf<P>>, &(usize, usize))| {
+            *index < problem.episodes()
+                && *length <= longest(*index).unwrap_or(0)
+                && longest(*index).is_none_or(|longest| slot.length <= longest)
+        };
+        match self.kept.slots.iter().zip(&self.kept.owners).all(fits) {
+            true => Ok(()),
+            false => Err(Error::argument("slots", self.kept.owners.len(), "pieces of the problem's episodes")),
+        }
     }
 
     /// The first trajectories: every episode from its beginning to its end.
@@ -161,12 +214,12 @@ impl<P: Problem> Pool<P> {
         // Which draws are whose matters for pieces only once classifiers act; until then the expert does.
         let each = |index: usize, _: usize| Some((index, &whole));
         let (runs, bill) = self.run(problem, policy, &all(problem), seed, each);
-        let length = |run: &Trajectory<P>, index| match self.piece {
+        let length = |run: &Trajectory<ViewOf<P>>, index| match self.piece {
             Some(_) => Some(run.length),
             None => problem.space().horizon(index),
         };
-        self.owners = runs.iter().map(|(index, run)| (*index, length(run, *index).unwrap_or(0))).collect();
-        self.slots = runs.into_iter().map(|(_, run)| run).collect();
+        self.kept.owners = runs.iter().map(|(index, run)| (*index, length(run, *index).unwrap_or(0))).collect();
+        self.kept.slots = runs.into_iter().map(|(_, run)| run).collect();
         bill
     }
 
@@ -181,37 +234,38 @@ impl<P: Problem> Pool<P> {
         let mut fresh = vec![Vec::new(); problem.episodes()];
         for (slot, plan) in plans.iter().enumerate() {
             if !matches!(plan, Plan::Keep | Plan::Take(_)) {
-                fresh[self.owners[slot].0].push(slot);
+                fresh[self.kept.owners[slot].0].push(slot);
             }
         }
         let episodes: Vec<usize> = all(problem).into_iter().filter(|index| !fresh[*index].is_empty()).collect();
         let each = |index: usize, piece: usize| fresh[index].get(piece).map(|slot| (*slot, &plans[*slot]));
         let (runs, bill) = self.run(problem, policy, &episodes, seed, each);
         let mut runs = runs.into_iter().peekable();
-        let mut old: Vec<Option<Trajectory<P>>> = std::mem::take(&mut self.slots).into_iter().map(Some).collect();
+        let mut old: Vec<Option<Trajectory<ViewOf<P>>>> =
+            std::mem::take(&mut self.kept.slots).into_iter().map(Some).collect();
         for (slot, plan) in plans.iter().enumerate() {
-            let owner = self.owners[slot].0;
+            let owner = self.kept.owners[slot].0;
             let next = match plan {
                 Plan::Keep => old[slot].take(),
                 Plan::Take(other) => old[*other].take(),
                 // A run that ended early has fewer pieces than were asked for.
                 _ => runs.next_if(|(index, _)| *index == owner).map(|(_, run)| run),
             };
-            self.slots.push(next.unwrap_or_else(Trajectory::new));
+            self.kept.slots.push(next.unwrap_or_else(Trajectory::new));
         }
         bill
     }
 
     /// Runs `episodes` piece by piece, each in the slot and by the plan that `each` gives for the episode and the number of the piece; where it gives
     /// none the run ends. Returns the pieces in order, each with its episode.
-    fn run<'a, C: Classifier<ViewOf<P>>>(
+    fn run<'p, C: Classifier<ViewOf<P>>>(
         &self,
         problem: &P,
         policy: &Mixture<C>,
         episodes: &[usize],
         seed: Seed,
-        each: impl Fn(usize, usize) -> Option<(usize, &'a Plan)> + Sync,
-    ) -> (Vec<(usize, Trajectory<P>)>, Ledger) {
+        each: impl Fn(usize, usize) -> Option<(usize, &'p Plan)> + Sync,
+    ) -> (Pieces<ViewOf<P>>, Ledger) {
         let (n, piece) = (policy.members().len(), self.piece.unwrap_or(usize::MAX));
         sweep(problem, episodes, seed, |worker, memory: &mut MixtureMemory<C::Memory>, episode, runs| {
             let first = Vec::len(runs);
@@ -283,8 +337,8 @@ impl<P: Problem> Pool<P> {
         let n = policy.members().len();
         let whole = Plan::All(Role::Whole(n));
         let run = |slot: usize| seed.child(Purpose::Episode, slot as u64);
-        let steps = |slot: usize| (0..self.slots[slot].length).map(move |t| self.step_seed(slot, run(slot), t));
-        let each = |plan: &dyn Fn(usize) -> Plan| (0..self.slots.len()).map(plan).collect();
+        let steps = |slot: usize| (0..self.kept.slots[slot].length).map(move |t| self.step_seed(slot, run(slot), t));
+        let each = |plan: &dyn Fn(usize) -> Plan| (0..self.kept.slots.len()).map(plan).collect();
         Ok(match self.reuse {
             Reuse::None => each(&|_| whole.clone()),
             Reuse::Ageing => each(&|slot| {
@@ -316,7 +370,7 @@ impl<P: Problem> Pool<P> {
         let beta = (1.0 - before) / (1.0 - p);
         // D_{n-1}^k, for each length.
         let mut buckets: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
-        for (slot, trajectory) in self.slots.iter().enumerate().rev() {
+        for (slot, trajectory) in self.kept.slots.iter().enumerate().rev() {
             buckets.entry((trajectory.length, trajectory.taught)).or_default().push(slot);
         }
         let plan = |(slot, &length): (usize, &usize)| {
@@ -356,12 +410,12 @@ impl<P: Problem> Pool<P> {
             let expected = "ageing or r1: this space does not know its horizons";
             return Err(Error::argument("reuse", format!("{:?}", self.reuse), expected));
         }
-        Ok(self.owners.iter().map(|(_, length)| *length).collect())
+        Ok(self.kept.owners.iter().map(|(_, length)| *length).collect())
     }
 }
 
 /// Ends the last of an episode's trajectories, those from number `first` on, when the episode has cost `spent`.
-fn end<P: Problem>(runs: &mut [(usize, Trajectory<P>)], first: usize, spent: f64, before: &mut f64) {
+fn end<V: View>(runs: &mut [(usize, Trajectory<V>)], first: usize, spent: f64, before: &mut f64) {
     if let Some((_, run)) = runs[first..].last_mut() {
         run.cost = spent - std::mem::replace(before, spent);
     }
@@ -412,7 +466,8 @@ mod tests {
     fn shares(reuse: Reuse, alpha: f64, mdp: &Mdp, hats: &[Vec<usize>]) -> Vec<Array2<f64>> {
         let view: Vec<usize> = (0..mdp.states()).collect();
         let problem = Tabular::new(mdp.clone(), &view).expect("a view a state").problem(SLOTS);
-        let mut pool = Pool::<Small>::new(reuse, alpha, None, Seed::new(5));
+        let mut slots = Slots::default();
+        let mut pool = Pool::<Small>::new(reuse, alpha, None, Seed::new(5), &mut slots);
         let mut policy = Mixture::of_expert();
         let mut shares = Vec::new();
         for n in 0..=hats.len() {

@@ -1,6 +1,6 @@
 //! SEARN (Daumé, Langford & Marcu 2009), as Ross & Bagnell (2010, section 4) set SMILe against it.
 
-use super::{Book, Run, Trained, check_rate, check_rounds};
+use super::{Book, Keeper, Run, Trained, check_rate, check_rounds};
 use crate::error::{Error, Result};
 use crate::learner::{Learner, Setting};
 use crate::policy::Mixture;
@@ -56,7 +56,7 @@ impl Searn {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Mixture<L::Classifier>>>,
     ) -> Result<Trained<Mixture<L::Classifier>>>
     where
         StateOf<P>: Clone,
@@ -76,19 +76,19 @@ impl Searn {
         problem: &P,
         learner: &L,
         costing: &impl Costing<P, Mixture<L::Classifier>>,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Mixture<L::Classifier>>>,
     ) -> Result<Trained<Mixture<L::Classifier>>> {
         check_rate("beta", self.beta)?;
         check_rounds(self.rounds)?;
         let mut book = Book::open(problem, run)?;
-        let mut policy = Mixture::of_expert();
-        for i in 1..=self.rounds {
+        let mut policy = book.resume(Mixture::of_expert())?;
+        while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
             let round = book.bill(roll::costs(problem, &policy, costing, &all(problem), seed));
             let warm = policy.members().last().map(|(_, classifier)| classifier).filter(|_| self.warm);
             let classifier = learner.fit(Setting::of(problem), &round.examples, warm, seed.child(Purpose::Learner, 0));
             policy.blend(self.beta, classifier); // pi^i = (1-beta) pi^{i-1} + beta h_i
-            book.round(self.rounds, round.cost);
+            book.round(self.rounds, round.cost, &policy)?;
         }
         Ok(book.close(policy.without_expert()))
     }

@@ -1,7 +1,7 @@
 //! SMILe (Ross & Bagnell 2010, section 4, Algorithm 4.1).
 
-use super::reuse::{Pool, Reuse};
-use super::{Book, Run, Trained, check_rate, check_rounds};
+use super::reuse::{Pool, Reuse, Slots};
+use super::{Book, Keeper, Run, Trained, check_rate, check_rounds};
 use crate::error::{Error, Result};
 use crate::learner::{Learner, Setting};
 use crate::policy::Mixture;
@@ -60,7 +60,7 @@ impl Smile {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, (Mixture<L::Classifier>, Slots<ViewOf<P>>)>>,
     ) -> Result<Trained<Mixture<L::Classifier>>> {
         check_rate("alpha", self.alpha)?;
         check_rounds(self.rounds)?;
@@ -68,20 +68,20 @@ impl Smile {
             return Err(Error::argument("piece", 0, "at least 1 step"));
         }
         let mut book = Book::open(problem, run)?;
-        let mut policy = Mixture::of_expert(); // pi^0 <- pi*
-        let mut pool = Pool::new(self.reuse, self.alpha, self.piece, run.seed);
-        for i in 1..=self.rounds {
+        let mut state = book.resume((Mixture::of_expert(), Slots::default()))?; // pi^0 <- pi*
+        while let Some(i) = book.next(self.rounds) {
+            let (policy, slots) = &mut state;
             let seed = run.seed.child(Purpose::Round, i as u64);
             // Execute pi^{i-1}.
             let round = book.bill(match self.reuse {
-                Reuse::None => roll::labels(problem, &policy, &all(problem), seed),
-                _ => pool.refresh(problem, &policy, seed)?,
+                Reuse::None => roll::labels(problem, policy, &all(problem), seed),
+                how => Pool::new(how, self.alpha, self.piece, run.seed, slots).refresh(problem, policy, seed)?,
             });
             let warm = policy.members().last().map(|(_, classifier)| classifier).filter(|_| self.warm);
             let classifier = learner.fit(Setting::of(problem), &round.examples, warm, seed.child(Purpose::Learner, 0));
             policy.replace_expert(self.alpha, classifier); // pi^i = (1-alpha)^i pi* + alpha sum_j (1-alpha)^(j-1) pihat*^j
-            book.round(self.rounds, round.cost);
+            book.round(self.rounds, round.cost, &state)?;
         }
-        Ok(book.close(policy.without_expert()))
+        Ok(book.close(state.0.without_expert()))
     }
 }

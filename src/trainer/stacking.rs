@@ -1,6 +1,6 @@
 //! Stacked sequential learning (Cohen & Carvalho 2005, figure 1).
 
-use super::{Book, Run, Supervised, Trained};
+use super::{Book, Keeper, Run, Supervised, Trained};
 use crate::error::{Error, Result};
 use crate::learner::{Examples, Learner, Setting};
 use crate::policy::{Follow, Greedy, Policy};
@@ -64,6 +64,10 @@ pub type Stages<C> = TwoStage<Greedy<C>, Greedy<C>>;
 /// A problem whose states show what a first labeller said.
 pub type StackedProblem<'s, P> = Imitation<Stacked<'s, <P as Problem>::Space>, Second<'s, <P as Problem>::Expert>>;
 
+/// The first labeller, and what was said of each episode's steps by one that had not seen it: what [`Stacking`] knows between its stages. It is what
+/// is kept; the second stage is trained from its beginning.
+type FirstStage<C> = (C, Vec<Vec<Action>>);
+
 impl Stacking {
     /// Trains both stages on `problem` with `learner`, the second supervised, too.
     ///
@@ -73,7 +77,7 @@ impl Stacking {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<Features, Option<FirstStage<L::Classifier>>>>,
     ) -> Result<Trained<Stages<L::Classifier>>>
     where
         P::Space: Space<View = Features>,
@@ -89,7 +93,7 @@ impl Stacking {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<Features, Option<FirstStage<L::Classifier>>>>,
         second: impl FnOnce(&StackedProblem<'_, P>, &Run<'_>) -> Result<Trained<D>>,
     ) -> Result<Trained<TwoStage<Greedy<L::Classifier>, D>>>
     where
@@ -102,32 +106,58 @@ impl Stacking {
             return Err(Error::argument("window", self.window, format!("at most {MOST_WINDOW}")));
         }
         let mut book = Book::open(problem, run)?;
-        let seed = run.seed.child(Purpose::Round, 1);
+        // f, and yhat: what was said of each step by those who had not seen it.
+        let mut state = book.resume(None)?;
+        if book.done() == 0 {
+            let (first, cost, bill) = self.first(problem, learner, run.seed.child(Purpose::Round, 1));
+            book.bill(((), bill));
+            state = Some(first);
+            book.round(2, cost, &state)?;
+        }
+        let (first, said) = state.ok_or_else(|| Error::argument("rounds", 0, "at least 1"))?;
+        let space = Stacked::new(problem.space(), self.window, said);
+        let stacked = Imitation { space, expert: Second(problem.expert()), episodes: problem.episodes() };
+        let later = run.within(run.seed.child(Purpose::Round, 2), ());
+        let Trained { policy, ledger, stopped, .. } = second(&stacked, &later)?; // f' = A(S')
+        book.bill(((), ledger));
+        book.note(2, (f64::NAN, None));
+        book.tell();
+        let trained = book.close(TwoStage { first: Greedy(first), second: policy, window: self.window });
+        Ok(Trained { stopped, ..trained })
+    }
+
+    /// The first stage: f, yhat, what the roll-ins cost, and the bill.
+    fn first<P: Problem<Space: Space<View = Features>>, L: Learner<Features>>(
+        &self,
+        problem: &P,
+        learner: &L,
+        seed: Seed,
+    ) -> (FirstStage<L::Classifier>, f64, Ledger) {
+        let mut ledger = Ledger::default();
+        let mut bill = |of: Ledger| ledger += of;
         let fold = |k: usize| all(problem).into_iter().skip(k).step_by(self.folds).collect::<Vec<_>>();
-        let rounds: Vec<_> =
-            (0..self.folds).map(|k| book.bill(roll::labels(problem, &Follow, &fold(k), seed))).collect();
+        let collect = |k: usize| {
+            let (round, more) = roll::labels(problem, &Follow, &fold(k), seed);
+            bill(more);
+            round
+        };
+        let rounds: Vec<_> = (0..self.folds).map(collect).collect();
         let fit = |parts: &dyn Fn(usize) -> bool, index: u64| {
             let mut examples = Examples::default();
             let kept = rounds.iter().enumerate().filter(|(k, _)| parts(*k));
             kept.for_each(|(_, round)| examples.extend_from(&round.examples));
-            Greedy(learner.fit(Setting::of(problem), &examples, None, seed.child(Purpose::Learner, index)))
+            learner.fit(Setting::of(problem), &examples, None, seed.child(Purpose::Learner, index))
         };
         // yhat: each part labelled by f_k = A(S - S_k).
         let mut said = vec![Vec::new(); problem.episodes()];
         for k in 0..self.folds {
-            let policy = fit(&|other| other != k, 1 + k as u64);
-            let labelled = book.bill(label(problem, &policy, &fold(k), 0, seed.child(Purpose::Evaluation, 0)));
+            let policy = Greedy(fit(&|other| other != k, 1 + k as u64));
+            let (labelled, more) = label(problem, &policy, &fold(k), 0, seed.child(Purpose::Evaluation, 0));
+            bill(more);
             fold(k).into_iter().zip(labelled).for_each(|(index, actions)| said[index] = actions);
         }
         let first = fit(&|_| true, 0); // f = A(S)
-        book.round(2, rounds.iter().map(|round| round.cost).sum());
-        let space = Stacked::new(problem.space(), self.window, said);
-        let stacked = Imitation { space, expert: Second(problem.expert()), episodes: problem.episodes() };
-        let later = Run { seed: run.seed.child(Purpose::Round, 2), watch: &|_| {} };
-        let Trained { policy, ledger, .. } = second(&stacked, &later)?; // f' = A(S')
-        book.bill(((), ledger));
-        book.round(2, f64::NAN);
-        Ok(book.close(TwoStage { first, second: policy, window: self.window }))
+        ((first, said), rounds.iter().map(|round| round.cost).sum(), ledger)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The supervised approach to imitation (Ross & Bagnell 2010, section 2.1).
 
-use super::{Book, Run, Trained, check_rounds};
+use super::{Aggregate, Book, Keeper, Run, Trained, check_rounds};
 use crate::error::Result;
-use crate::learner::{Examples, Learner, Setting};
+use crate::learner::{Learner, Setting};
 use crate::policy::{Follow, Greedy};
 use crate::roll;
 use crate::seed::Purpose;
@@ -48,22 +48,19 @@ impl Supervised {
         &self,
         problem: &P,
         learner: &L,
-        run: &Run<'_>,
+        run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
         let mut book = Book::open(problem, run)?;
-        let mut data = Examples::default();
-        let mut i = 1;
-        loop {
+        let mut data = book.resume(Aggregate::default())?;
+        while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
             let round = book.bill(roll::labels(problem, &Follow, &all(problem), seed));
-            data.absorb(round.examples);
-            let classifier = learner.fit(Setting::of(problem), &data, None, seed.child(Purpose::Learner, 0));
-            book.round(self.rounds, round.cost);
-            if i == self.rounds {
-                return Ok(book.close(Greedy(classifier)));
-            }
-            i += 1;
+            data.examples.absorb(round.examples);
+            let seed = seed.child(Purpose::Learner, 0);
+            data.learned = Some(learner.fit(Setting::of(problem), &data.examples, None, seed));
+            book.round(self.rounds, round.cost, &data)?;
         }
+        Ok(book.close(data.finish()?))
     }
 }

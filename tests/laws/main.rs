@@ -5,6 +5,7 @@
 
 mod arguments;
 mod bills;
+mod checkpoints;
 mod common;
 mod experts;
 mod files;

@@ -7,7 +7,7 @@ use rollin::roll::perform;
 use rollin::space::{Action, Space};
 use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, Tagging};
 use rollin::tasks::{About, AnyLearner, Learned, Task, Trainer};
-use rollin::trainer::{Dagger, Run, Smile, Trained};
+use rollin::trainer::{Dagger, Keeping, Run, Smile, Trained};
 use rollin::{Result, Seed};
 use std::path::Path;
 
@@ -31,8 +31,8 @@ fn learn(corpus: &Corpus, template: &str) -> (Encoding, Tagging) {
 
 fn train(space: &Tagging, trainer: &Trainer) -> Result<Trained<Learned>> {
     let learner = AnyLearner::Logistic(Logistic::default());
-    let train = |problem: &_, run: &Run<'_>| trainer.train(problem, &learner, run);
-    Encoding::train(&space.clone().problem(), &Run::new(1), &train)
+    let train = |problem: &_, run: &Run<'_, Keeping>| trainer.train(problem, &learner, run);
+    Encoding::train(&space.clone().problem(), &Run::new(1).kept(None), &train)
 }
 
 fn online() -> Trainer {

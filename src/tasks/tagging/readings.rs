@@ -6,18 +6,23 @@ use crate::roll::Performance;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Imitation, Silent, Space};
 use crate::tasks::{Done, Learned, Reason, Training};
-use crate::trainer::{Run, Trained};
+use crate::trainer::{Keeping, Run, Trained};
 use crate::worker::Ledger;
 
 /// Parts of the data: each is read first by a policy that was trained on the others, so that the first reading's mistakes in training are
 /// those that it will make later (Cohen & Carvalho 2005).
 pub const FOLDS: usize = 2;
 
-/// Trains a policy for each reading of `problem` by `train`: any trainer with any learner, told which problem and with what seed.
+/// Trains a policy for each reading of `problem` by `train`: any trainer with any learner, told which problem and with what seed. Each of the four policies is
+/// a stage of the checkpoint, if there is one.
 ///
 /// # Errors
 /// When there are fewer sentences than [`FOLDS`], and whatever `train` returns.
-pub fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Encoding>) -> Result<Trained<Learned>> {
+pub fn train(
+    problem: &TaggingProblem,
+    run: &Run<'_, Keeping>,
+    train: &Training<'_, Encoding>,
+) -> Result<Trained<Learned>> {
     let sentences = problem.space.part(|i| i < problem.episodes);
     let backwards = sentences.backwards();
     if backwards.sentences() < FOLDS {
@@ -25,12 +30,17 @@ pub fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Encod
         return Err(Error::argument("sentences", backwards.sentences(), expected));
     }
     let seed = |reading: usize| run.seed.child(Purpose::Reading, reading as u64);
-    let unseen = |reading| Run { seed: seed(reading), watch: &|_| {} };
-    let mut ledger = Ledger::default();
+    // What is learned after a policy that was stopped is not what would have been: it is not kept.
+    let keep = |reading: usize, stopped: bool| {
+        run.keep.as_ref().filter(|_| !stopped).map(|keep| keep.stage(&format!("reading-{reading}")))
+    };
+    let unseen = |reading, stopped| run.within(seed(reading), keep(reading, stopped));
+    let (mut ledger, mut stopped) = (Ledger::default(), false);
     let mut said = vec![Vec::new(); backwards.sentences()];
     for fold in 0..FOLDS {
         let others = backwards.part(|i| i % FOLDS != fold).problem();
-        let trained = train(&others, &unseen(2 + fold))?;
+        let trained = train(&others, &unseen(2 + fold, stopped))?;
+        stopped |= trained.stopped;
         if let Learned::Stacked(_) | Learned::Readings { .. } = trained.policy {
             let expected = "another algorithm: with a template that looks ahead there are two stages already";
             return Err(Error::argument("algorithm", "stacked", expected));
@@ -44,13 +54,15 @@ pub fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Encod
         ledger += trained.ledger;
         ledger += bill;
     }
-    let first = train(&backwards.problem(), &unseen(0))?;
+    let first = train(&backwards.problem(), &unseen(0, stopped))?;
+    stopped |= first.stopped;
     let told = sentences.told(&said.concat());
-    let second = train(&told.problem(), &Run { seed: seed(1), ..*run })?;
+    let last = Run { watch: run.watch, ..unseen(1, stopped) };
+    let second = train(&told.problem(), &last)?;
     ledger += first.ledger;
     ledger += second.ledger;
     let policy = Learned::Readings { first: Box::new(first.policy), second: Box::new(second.policy) };
-    Ok(Trained { policy, ledger, rounds: second.rounds })
+    Ok(Trained { policy, ledger, rounds: second.rounds, stopped: stopped || second.stopped })
 }
 
 /// The temperatures of the classifiers of `policy`: those of two readings each in its own, the second told by the first.

@@ -15,7 +15,7 @@ use crate::space::{Action, Imitation};
 use crate::tasks::{
     Arrays, Data, Done, Fact, Learned, Measure, Model, Names, Reason, Recipe, Task, Training, write_labels,
 };
-use crate::trainer::{Run, Trained};
+use crate::trainer::{Keeping, Run, Trained};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::path::Path;
@@ -157,7 +157,7 @@ impl Task for Encoding {
         Ok((encoding, space.problem()))
     }
 
-    fn train(problem: &TaggingProblem, run: &Run<'_>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
+    fn train(problem: &TaggingProblem, run: &Run<'_, Keeping>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
         match problem.space.looks_ahead() {
             true => readings::train(problem, run, train),
             false => train(problem, run),
