@@ -222,8 +222,9 @@ fn facts<T: Task>(model: &Model<T>, policy: String, own: Vec<Fact>) -> String {
     let temperatures: Vec<String> = model.temperatures.iter().map(|t| format!("{t:.3}")).collect();
     let expert = (!about.expert.is_empty()).then(|| ("expert", about.expert.clone()));
     let calibrated = (!temperatures.is_empty()).then(|| ("temperatures", temperatures.join(" ")));
+    let stopped = about.stopped.map(|round| ("stopped", format!("before its end, after round {round}")));
     let own = own.into_iter().map(|fact| (fact.name, fact.text));
-    let facts = facts.into_iter().chain(expert).chain(calibrated).chain(own);
+    let facts = facts.into_iter().chain(expert).chain(stopped).chain(calibrated).chain(own);
     facts.map(|(name, fact)| format!("{name:<16}{fact}\n")).collect()
 }
 

@@ -13,6 +13,7 @@ mod explain;
 mod generate;
 mod help;
 mod inspect;
+mod long;
 mod mistakes;
 mod options;
 mod progress;
@@ -27,7 +28,7 @@ mod theory;
 mod train;
 
 use crate::error::{Error, Result};
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -102,9 +103,12 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match run(&cli) {
-        Ok(()) => ExitCode::SUCCESS,
+    let mut command = Cli::command();
+    command.build();
+    let matches = command.get_matches_mut();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match run(&cli, &Given::of(&command, &matches)) {
+        Ok(code) => code,
         Err(error) => {
             terminal::tell("error", &error);
             ExitCode::from(2)
@@ -112,13 +116,37 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli) -> Result<()> {
+/// What was given on the command line, defaults included, by the name of the option.
+struct Given(Vec<(String, String, String)>);
+
+impl Given {
+    fn of(command: &clap::Command, matches: &ArgMatches) -> Self {
+        let Some((name, matches)) = matches.subcommand() else { return Given(Vec::new()) };
+        let arguments = command.find_subcommand(name).into_iter().flat_map(clap::Command::get_arguments);
+        let given = arguments.filter_map(|argument| {
+            let id = argument.get_id().as_str();
+            let values = matches.try_get_raw(id).ok()??;
+            let values: Vec<String> = values.map(|value| value.to_string_lossy().into_owned()).collect();
+            let name = argument.get_long().map_or_else(|| id.to_owned(), |long| format!("--{long}"));
+            Some((id.to_owned(), name, values.join(",")))
+        });
+        Given(given.collect())
+    }
+
+    /// Names and values without those of these identifiers.
+    fn without<'a>(&'a self, left_out: &'a [&str]) -> impl Iterator<Item = (&'a str, &'a str)> {
+        let others = self.0.iter().filter(|(id, ..)| !left_out.contains(&id.as_str()));
+        others.map(|(_, name, value)| (name.as_str(), value.as_str()))
+    }
+}
+
+fn run(cli: &Cli, given: &Given) -> Result<ExitCode> {
     if let Some(threads) = cli.global.threads {
         let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         built.map_err(|error| Error::argument("--threads", threads, format!("possible here ({error})")))?;
     }
-    match &cli.command {
-        Command::Train(command) => command.run(&cli.global),
+    let done = match &cli.command {
+        Command::Train(command) => return command.run(&cli.global, given),
         Command::Tag(command) => command.run(&cli.global),
         Command::Evaluate(command) => command.run(&cli.global),
         Command::Compare(command) => command.run(&cli.global),
@@ -132,7 +160,8 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Serve(command) => command.run(&cli.global),
         Command::Completions(command) => command.run(&cli.global),
         Command::Man(command) => command.run(&cli.global),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 /// Standard output, whose closing is an error like any other. Colours get no further than to a terminal.

@@ -31,7 +31,7 @@ pub struct Sources<'a> {
 }
 
 /// The sum of a text that was read.
-fn sha256(bytes: &[u8]) -> String {
+pub(super) fn sha256(bytes: &[u8]) -> String {
     let hex: String = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     format!("SHA-256 {hex}, {} bytes", bytes.len())
 }

@@ -1,19 +1,22 @@
 //! `rollin train`
 
 use super::algorithms::{Algorithm, TrainerOptions};
+use super::long::LongOptions;
 use super::options::{LearnerOptions, Reading, ReadingName, no_such_setting};
 use super::progress::Bar;
 use super::tasks::{TaskName, Verbs, with_task};
-use super::{Global, print, print_json};
+use super::{Given, Global, long, print, print_json};
 use crate::error::{Error, Result};
-use crate::output::check_writable;
+use crate::output::{check_writable, checksum};
 use crate::report::{Table, grouped};
 use crate::seed::{Purpose, Seed};
-use crate::tasks::{About, Data, Fact, Model};
+use crate::tasks::{About, Data, Fact, Model, Task};
 use crate::trainer::{Progress, Run};
 use clap::Args;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
 
 /// Train a tagger, a segmenter, a parser, a reader of handwriting, a labeller of graphs, a traveller or a walker and write its model file.
 #[derive(Args)]
@@ -46,14 +49,18 @@ pub struct Train {
     trainer: TrainerOptions,
     #[command(flatten)]
     learner: LearnerOptions,
+    #[command(flatten)]
+    long: LongOptions,
 }
 
 impl Train {
-    pub fn run(&self, global: &Global) -> Result<()> {
-        with_task!(self.task, T => self.run_as::<T>(global))
+    pub fn run(&self, global: &Global, given: &Given) -> Result<ExitCode> {
+        with_task!(self.task, T => self.run_as::<T>(global, given))
     }
 
-    fn run_as<T: Verbs>(&self, global: &Global) -> Result<()> {
+    fn run_as<T: Verbs>(&self, global: &Global, given: &Given) -> Result<ExitCode> {
+        let deadline = self.long.deadline();
+        self.long.check(&self.data, &self.model)?;
         self.columns.refuse_others(T::NAME)?;
         self.trainer.check(&[self.algorithm])?;
         let trainer = self.trainer.trainer(self.algorithm);
@@ -70,9 +77,27 @@ impl Train {
         let held_out = self.held_out::<T>(&corpus)?;
         problem.episodes = held_out.start;
 
+        let mut about = About {
+            trainer: to_json(&trainer),
+            learner: if self.algorithm == Algorithm::EarlyUpdate { "none".into() } else { to_json(&learner) },
+            expert: self.trainer.flaw(),
+            seed: global.seed,
+            data: self.data.display().to_string(),
+            sentences: corpus.sentences(),
+            tokens: corpus.tokens(),
+            ..About::default()
+        };
+        let keep = self.long.keeping(given, &self.data, checksum_of(&encoding))?;
+        let log = self.long.log(&keep, &about)?;
+        let kept = keep.is_some();
         let bar = Bar::new(&self.algorithm.name(), global.quiet);
-        let watch = |progress: &_| bar.show(progress);
-        let run = Run { watch: &watch, ..Run::new(global.seed).kept(None) };
+        let watch = |progress: &_| {
+            bar.show(progress);
+            log.iter().for_each(|log| log.write(progress));
+        };
+        let stop = || long::interrupted() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        long::catch_interrupts()?;
+        let run = Run { watch: &watch, stop: &stop, ..Run::new(global.seed).kept(keep) };
         let trained = T::train(&problem, &run, &|problem, run| self.trainer.train(problem, (&trainer, &learner), run))?;
         drop(bar);
         let policy = trained.policy.read_as(self.reading.into());
@@ -85,20 +110,13 @@ impl Train {
         // Large, and of no more use.
         drop(problem);
 
-        let about = About {
-            trainer: to_json(&trainer),
-            learner: if self.algorithm == Algorithm::EarlyUpdate { "none".into() } else { to_json(&learner) },
-            expert: self.trainer.flaw(),
-            seed: global.seed,
-            data: self.data.display().to_string(),
-            sentences: corpus.sentences(),
-            tokens: corpus.tokens(),
-            ledger: trained.ledger,
-            stopped: trained.stopped.then_some(trained.rounds.len()),
-        };
+        about.ledger = trained.ledger;
+        about.stopped = trained.stopped.then_some(trained.rounds.len());
         let model = Model { temperatures, ..Model::new(encoding, policy, about)? };
         model.save(&self.model)?;
+        log.map_or(Ok(()), long::Log::finish)?;
         let facts = model.encoding.facts();
+        let code = if trained.stopped { long::ending() } else { ExitCode::SUCCESS };
 
         if global.json {
             let mut report = serde_json::json!({
@@ -108,11 +126,13 @@ impl Train {
                 "features": model.encoding.features(),
             });
             facts.into_iter().for_each(|fact| report[fact.name] = fact.value);
-            return print_json(&report);
+            return print_json(&report).map(|()| code);
         }
         let table = rounds(&trained.rounds, T::UNITS.episode);
+        let how = if kept { ": go on with --resume" } else { "" };
+        let end = model.about.stopped.map_or_else(String::new, |round| format!("stopped after round {round}{how}\n"));
         print(&format!(
-            "{} {}, {} {}{}\n\n{table}\nwrote {}\n",
+            "{} {}, {} {}{}\n\n{table}\n{end}wrote {}\n",
             grouped(corpus.sentences() as f64),
             T::UNITS.episodes,
             grouped(corpus.tokens() as f64),
@@ -120,6 +140,7 @@ impl Train {
             short(&facts),
             self.model.display(),
         ))
+        .map(|()| code)
     }
 }
 
@@ -176,6 +197,13 @@ fn short(facts: &[Fact]) -> String {
 /// Whether both are there and are one file.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// A number that tells what turns text into features apart from others.
+fn checksum_of<T: Task>(encoding: &T) -> u64 {
+    let mut bytes = to_json(&encoding.header()).into_bytes();
+    bytes.extend(encoding.arrays().into_iter().flatten().flat_map(|key| key.to_le_bytes()));
+    checksum(&bytes)
 }
 
 /// Settings as text.

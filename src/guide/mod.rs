@@ -27,6 +27,9 @@ pub mod bill {}
 #[doc = include_str!("theorems.md")]
 pub mod theorems {}
 
+#[doc = include_str!("long-runs.md")]
+pub mod long_runs {}
+
 #[doc = include_str!("speed.md")]
 pub mod speed {}
 

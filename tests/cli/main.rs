@@ -6,6 +6,7 @@ mod explain;
 mod good;
 mod help;
 mod large;
+mod long;
 mod ocr;
 mod packed;
 mod refusals;
