@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::output::{check_writable, checksum};
 use crate::report::{Table, grouped};
 use crate::seed::{Purpose, Seed};
-use crate::tasks::{About, Data, Fact, Model, Task};
+use crate::tasks::{About, Data, Fact, Model, Recipe, Task};
 use crate::trainer::{Progress, Run};
 use clap::Args;
 use std::ops::Range;
@@ -63,8 +63,8 @@ impl Train {
         self.long.check(&self.data, &self.model)?;
         self.columns.refuse_others(T::NAME)?;
         self.trainer.check(&[self.algorithm])?;
-        let trainer = self.trainer.trainer(self.algorithm);
-        let learner = self.learner.learner()?;
+        let (trainer, learner) = (self.trainer.trainer(self.algorithm), self.learner.learner()?);
+        let recipe = Recipe { trainer, learner, reading: self.reading.into(), seed: global.seed };
         if matches!(self.algorithm, Algorithm::DaggerOnline | Algorithm::LolsOnline | Algorithm::EarlyUpdate) {
             self.learner.refuse_passes(&format!("{} makes one pass a round; use --rounds", self.algorithm.name()))?;
         }
@@ -77,16 +77,7 @@ impl Train {
         let held_out = self.held_out::<T>(&corpus)?;
         problem.episodes = held_out.start;
 
-        let mut about = About {
-            trainer: to_json(&trainer),
-            learner: if self.algorithm == Algorithm::EarlyUpdate { "none".into() } else { to_json(&learner) },
-            expert: self.trainer.flaw(),
-            seed: global.seed,
-            data: self.data.display().to_string(),
-            sentences: corpus.sentences(),
-            tokens: corpus.tokens(),
-            ..About::default()
-        };
+        let mut about = About { expert: self.trainer.flaw(), ..recipe.about(&corpus) };
         let keep = self.long.keeping(given, &self.data, checksum_of(&encoding))?;
         let log = self.long.log(&keep, &about)?;
         let kept = keep.is_some();
@@ -98,9 +89,11 @@ impl Train {
         let stop = || long::interrupted() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         long::catch_interrupts()?;
         let run = Run { watch: &watch, stop: &stop, ..Run::new(global.seed).kept(keep) };
-        let trained = T::train(&problem, &run, &|problem, run| self.trainer.train(problem, (&trainer, &learner), run))?;
+        let trained = T::train(&problem, &run, &|problem, run| {
+            self.trainer.train(problem, (&recipe.trainer, &recipe.learner), run)
+        })?;
         drop(bar);
-        let policy = trained.policy.read_as(self.reading.into());
+        let policy = trained.policy.read_as(recipe.reading);
         let mut temperatures = Vec::new();
         if self.calibrate {
             problem.episodes = held_out.end;

@@ -1,9 +1,9 @@
 //! From a corpus to a model in one call.
 
-use super::{About, AnyLearner, Data, Learned, Model, Task, Trainer};
+use super::{About, AnyLearner, Data, Model, Task, Trainer};
 use crate::error::Result;
 use crate::policy::Reading;
-use crate::trainer::{Run, Trained};
+use crate::trainer::Run;
 use serde::{Deserialize, Serialize};
 
 /// What to train with: plain settings, which can be read from JSON. The defaults are those of `rollin train`.
@@ -48,23 +48,21 @@ impl Recipe {
         let (encoding, problem) = T::learn(data, settings)?;
         let run = Run::new(self.seed).kept(None);
         let trained = T::train(&problem, &run, &|problem, run| self.trainer.train(problem, &self.learner, run))?;
-        self.model(encoding, data, trained)
+        let about = About { ledger: trained.ledger, ..self.about(data) };
+        Model::new(encoding, trained.policy.read_as(self.reading), about)
     }
 
-    /// What training on `data` brought as a model, read as this says.
-    fn model<T: Task>(&self, encoding: T, data: &T::Data, trained: Trained<Learned>) -> Result<Model<T>> {
-        let about = About {
+    /// What a model that is trained by this on `data` says of itself; the bill is still to come.
+    pub fn about(&self, data: &impl Data) -> About {
+        About {
             trainer: json(&self.trainer),
             learner: if matches!(self.trainer, Trainer::EarlyUpdate(_)) { "none".into() } else { json(&self.learner) },
-            expert: String::new(),
             seed: self.seed,
             data: data.path().display().to_string(),
             sentences: data.sentences(),
             tokens: data.tokens(),
-            stopped: trained.stopped.then_some(trained.rounds.len()),
-            ledger: trained.ledger,
-        };
-        Model::new(encoding, trained.policy.read_as(self.reading), about)
+            ..About::default()
+        }
     }
 }
 
