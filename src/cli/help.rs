@@ -161,6 +161,16 @@ $fpath, fish from ~/.config/fish/completions; PowerShell and elvish take it at t
   rollin man share/man/man1";
 }
 
+/// `rollin update`
+pub fn update() -> StyledStr {
+    help(
+        "\
+Examples:
+  rollin update --model tagger.model --data test.txt --output newer.model
+  rollin update --model newer.model --data test.txt --output newer.model --rounds 2",
+    )
+}
+
 /// `rollin serve`
 #[cfg(feature = "serve")]
 pub fn serve() -> StyledStr {

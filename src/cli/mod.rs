@@ -26,6 +26,7 @@ mod tasks;
 mod terminal;
 mod theory;
 mod train;
+mod update;
 
 use crate::error::{Error, Result};
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -74,6 +75,8 @@ impl Global {
 enum Command {
     /// Train a model for any of the tasks and write its file
     Train(train::Train),
+    /// Go on training a model with more data
+    Update(update::Update),
     /// Do a model's task on standard input: every line again, with what the model says
     Tag(tag::Tag),
     /// Compare a model's answers with the right ones
@@ -147,6 +150,7 @@ fn run(cli: &Cli, given: &Given) -> Result<ExitCode> {
     }
     let done = match &cli.command {
         Command::Train(command) => return command.run(&cli.global, given),
+        Command::Update(command) => command.run(&cli.global),
         Command::Tag(command) => command.run(&cli.global),
         Command::Evaluate(command) => command.run(&cli.global),
         Command::Compare(command) => command.run(&cli.global),

@@ -156,7 +156,7 @@ impl Train {
 }
 
 /// How training went, round by round; regrets where there are any.
-fn rounds(rounds: &[Progress], episode: &str) -> Table {
+pub fn rounds(rounds: &[Progress], episode: &str) -> Table {
     let regrets = rounds.iter().any(|round| round.regret.is_some());
     let cost = format!("cost per {episode}");
     let mut headings = vec!["round", &cost];

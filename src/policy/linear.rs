@@ -183,9 +183,10 @@ impl Weights {
         self.rows.reserve_exact(rows * self.stride);
     }
 
-    /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more.
+    /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more. Where
+    /// `old[i]` is the number of no feature, feature i is new and has no weights.
     pub fn renumber(mut self, old: &[u32]) -> Self {
-        self.index = old.iter().map(|feature| self.index[*feature as usize]).collect();
+        self.index = old.iter().map(|feature| self.index.get(*feature as usize).copied().unwrap_or(0)).collect();
         self
     }
 

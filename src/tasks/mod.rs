@@ -20,6 +20,7 @@ pub mod segmenting;
 pub mod tabular;
 pub mod tagging;
 mod training;
+mod update;
 
 pub use crate::output::Arrays;
 pub use classifiers::AnyClassifier;
@@ -32,7 +33,7 @@ pub use model::{About, Learned, Model};
 pub use recipe::Recipe;
 pub use training::{KeepsAll, Trainer};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::read::conll::{Block, Line};
 use crate::seed::Seed;
 use crate::space::{Action, CostToGo, Features, Imitation, Silent, Space};
@@ -80,6 +81,16 @@ pub trait Task: Sized + Send + Sync {
     /// # Errors
     /// When it is not what can be learned from with these settings.
     fn learn(data: &Self::Data, settings: Self::Settings) -> Result<(Self, ProblemOf<Self>)>;
+
+    /// What [`Task::learn`] gives of other `data`, for those who know the actions and features of this encoding and go on learning: the encoding with
+    /// more features, the problem, and for each feature the number that it has here, or `u32::MAX` if it is new. By default a task does not go on.
+    ///
+    /// # Errors
+    /// As [`Task::learn`], and where there are actions that are not known here.
+    fn extend(&self, data: &Self::Data) -> Result<(Self, ProblemOf<Self>, Vec<u32>)> {
+        let _ = data;
+        Err(Error::argument("task", Self::NAME, "tagging: the others' models do not go on learning"))
+    }
 
     /// Trains policies for `problem` by `train`, which knows trainer and learner: one, unless the task needs more.
     ///

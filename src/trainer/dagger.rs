@@ -138,10 +138,23 @@ impl Dagger {
         learner: &L,
         run: &Run<'_, impl Keeper<ViewOf<P>, L::Course>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
+        self.go_on_online(problem, (learner, None), run)
+    }
+
+    /// The same with a learner who starts from a classifier, if there is one: training that was ended goes on, on other episodes.
+    ///
+    /// # Errors
+    /// As [`Dagger::train_online`].
+    pub fn go_on_online<P: Problem, L: Online<ViewOf<P>>>(
+        &self,
+        problem: &P,
+        (learner, warm): (&L, Option<&L::Classifier>),
+        run: &Run<'_, impl Keeper<ViewOf<P>, L::Course>>,
+    ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
         self.schedule.map_or(Ok(()), Schedule::check)?;
         let mut book = Book::open(problem, run)?;
-        let mut course = book.resume(learner.begin(Setting::of(problem), None))?;
+        let mut course = book.resume(learner.begin(Setting::of(problem), warm))?;
         let mut episodes = Shuffled::after(book.done(), problem, run.seed);
         while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);

@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// All commands, as their names are typed.
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "",
     "train",
     "tag",
@@ -27,6 +27,7 @@ const COMMANDS: [&str; 17] = [
     "completions",
     "man",
     "serve",
+    "update",
 ];
 
 /// The examples in a help: lines set in by two, in which the program is run.

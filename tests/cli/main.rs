@@ -12,6 +12,7 @@ mod packed;
 mod refusals;
 mod spans;
 mod tasks;
+mod update;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -23,3 +23,4 @@ mod rollouts;
 mod search;
 mod segmenting;
 mod threads;
+mod updates;

@@ -178,6 +178,41 @@ impl Encoding {
         Ok((encoding, space))
     }
 
+    /// The same encoding with the features of another `corpus` beside its own, that corpus in numbers, and for each feature the number that it had
+    /// before, or `u32::MAX` if it is new. Labels stay as they are.
+    ///
+    /// # Errors
+    /// With the exact place, when a label is none of this encoding's or may not stand where it does, and when a column is missing that the template needs.
+    pub fn extend(&self, corpus: &Corpus) -> Result<(Encoding, Tagging, Vec<u32>)> {
+        let label_column = LabelColumn::At(self.label_column).in_corpus(corpus)?;
+        let column = &corpus.columns[label_column];
+        let refused = |token: usize, expected: String| {
+            Error::data(corpus.place(token, label_column), format!("label {}", column.word(token)), expected)
+        };
+        let known = |name: &str| self.labels.binary_search_by(|label| label.as_str().cmp(name)).ok();
+        let numbers: Vec<Option<u32>> = column.values.iter().map(|name| known(name).map(|n| n as u32)).collect();
+        let mut gold = Vec::with_capacity(corpus.tokens());
+        for (token, cell) in column.cells.iter().enumerate() {
+            let expected = || format!("one of the model's labels: {}", self.labels.join(" "));
+            gold.push(numbers[*cell as usize].ok_or_else(|| refused(token, expected()))?);
+        }
+        if let Some(token) = illegal(&self.transitions, corpus, &gold).first() {
+            let order = self.transitions.order().name();
+            return Err(refused(*token, format!("a label that may stand there by {order}, as --repair makes it")));
+        }
+        let mut encoding = self.clone();
+        let Encoding { features, contexts, template, .. } = &mut encoding;
+        let rows = read(template, corpus, |hash| features.intern(hash), |line, hash| contexts[line].intern(hash))?;
+        encoding.number_history()?;
+        let number = |n: usize, before: usize| if n < before { n as u32 } else { u32::MAX };
+        let mut moved: Vec<u32> = (0..encoding.features.len()).map(|n| number(n, self.features.len())).collect();
+        for (now, before) in encoding.history.iter().zip(self.history.iter()) {
+            moved.extend((0..now.size).map(|n| before.moved(now, n).unwrap_or(u32::MAX)));
+        }
+        let space = encoding.space(corpus, rows, gold);
+        Ok((encoding, space, moved))
+    }
+
     /// Another corpus in the same numbers, as something to be tagged: features never seen in training are left out, and no right
     /// labels are known.
     ///

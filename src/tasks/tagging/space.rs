@@ -89,6 +89,11 @@ impl HistoryLine {
         Some((context as u32, found))
     }
 
+    /// The number here of the n-th feature of `later`, the same line with more contexts; none if it is new, or numbered in another way since there are so many.
+    pub(super) fn moved(&self, later: &HistoryLine, n: u32) -> Option<u32> {
+        Some(self.base + n).filter(|_| n < self.size && self.exact == later.exact)
+    }
+
     /// The feature number of `context` with these labels.
     pub(super) fn feature(&self, context: u32, labels: u64, label: impl Fn(i32) -> u16) -> u32 {
         self.number(context, self.code(labels, label))

@@ -157,6 +157,15 @@ impl Task for Encoding {
         Ok((encoding, space.problem()))
     }
 
+    fn extend(&self, corpus: &Corpus) -> Result<(Self, TaggingProblem, Vec<u32>)> {
+        let (encoding, space, moved) = Encoding::extend(self, corpus)?;
+        if space.looks_ahead() {
+            let expected = "one that looks at no labels to come: two readings do not go on learning";
+            return Err(Error::argument("template", "one of two readings", expected));
+        }
+        Ok((encoding, space.problem(), moved))
+    }
+
     fn train(problem: &TaggingProblem, run: &Run<'_, Keeping>, train: &Training<'_, Self>) -> Result<Trained<Learned>> {
         match problem.space.looks_ahead() {
             true => readings::train(problem, run, train),
