@@ -132,3 +132,21 @@ fn no_test_draws_from_the_clock() {
         }
     }
 }
+
+/// The tests that the page of complaints points to are there.
+#[test]
+fn tests_in_documents_exist() {
+    let mut found = Vec::new();
+    for folder in ["tests", "src"] {
+        sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
+    }
+    let code: String = found.iter().map(|path| std::fs::read_to_string(path).expect("text")).collect();
+    let page = include_str!("../src/guide/complaints.md");
+    let spans = page.split('`').skip(1).step_by(2);
+    let names: Vec<&str> =
+        spans.filter(|span| span.contains('_') && span.chars().all(|c| c == '_' || c.is_ascii_lowercase())).collect();
+    assert!(names.len() > 10, "{names:?}");
+    for name in names {
+        assert!(code.contains(&format!("fn {name}()")), "{name}");
+    }
+}
