@@ -108,3 +108,21 @@ fn one_classifier_is_a_mixture() {
     let bytes = |policy: Learned| Tagger::new(encoding.clone(), policy, About::default()).unwrap().to_bytes();
     assert!(bytes(Greedy(one).into()) == bytes(trained.policy));
 }
+
+/// Models of every version of the format that there has been are read, and say what they said when they were written.
+#[test]
+fn old_models_are_read() {
+    let said = [
+        ("1/dagger-online", ["D", "N", "N", "V"]),
+        ("1/smile", ["D", "N", "V", "V"]),
+        ("1/forward", ["D", "N", "V", "V"]),
+        ("1/stacked", ["D", "N", "V", "V"]),
+        ("1/early-update", ["D", "A", "N", "V"]),
+        ("1/net", ["D", "D", "N", "N"]),
+    ];
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models");
+    for (name, labels) in said {
+        let tagger = Tagger::load(folder.join(name).with_added_extension("model")).expect("an old model");
+        assert_eq!(tagger.label(&[["the"], ["old"], ["man"], ["sleeps"]]).expect("labels"), labels, "{name}");
+    }
+}
