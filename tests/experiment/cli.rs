@@ -1,6 +1,7 @@
 //! `rollin experiment` and `rollin drive`.
 
 use crate::balance;
+use crate::chromium::Browser;
 use assert_cmd::Command;
 use rollin::experiment::{Amount, Length, Plan, Platforming, Racing, Scale};
 use serde_json::Value;
@@ -49,6 +50,32 @@ fn data(page: &str) -> Value {
     read.next().expect("something").expect("JSON")
 }
 
+/// The report and the replay of both games, in a browser: something is drawn, and it moves.
+fn watch(folder: &tempfile::TempDir) {
+    let Some(browser) = Browser::start() else {
+        eprintln!("skipped: chromedriver and chromium are not installed");
+        return;
+    };
+    for game in ["platformer", "kart"] {
+        let page = |name: &str| format!("file://{}", folder.path().join(format!("{name}{game}.html")).display());
+        browser.visit(&page("report-"));
+        browser.looks("return document.querySelectorAll('figure svg .mark').length > 0");
+        assert_eq!(browser.console(), serde_json::json!([]), "{game}");
+        browser.visit(&page(""));
+        let colours = "const canvas = document.querySelector('canvas');
+            const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            return new Set(new Uint32Array(pixels.buffer)).size > 2";
+        browser.looks(colours);
+        browser
+            .holds("const seek = document.getElementById('seek'); return seek.value === '0' && Number(seek.max) > 5");
+        browser.run("document.getElementById('play').click()");
+        browser.until("return document.getElementById('seek').value !== '0'");
+        browser.holds("document.getElementById('seek').value = 3; document.getElementById('seek').oninput({target: document.getElementById('seek')});
+            return document.querySelectorAll('tr').length === 4");
+        assert_eq!(browser.console(), serde_json::json!([]), "{game}");
+    }
+}
+
 #[test]
 fn from_a_plan_to_a_page() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -58,6 +85,7 @@ fn from_a_plan_to_a_page() {
     for (game, most) in [("platformer", 750), ("kart", 3000)] {
         let line = format!("experiment {game} --plan {game}.json --resume kept-{game} --models models-{game}");
         let (first, json) = (good(&folder, &line), good(&folder, &format!("{line} --json")));
+        good(&folder, &format!("{line} --html report-{game}.html"));
         assert!(first.contains("supervised") && first.contains("the bill") && first.contains("claim"), "{first}");
         assert_eq!(first, good(&folder, &line), "a second time from what was kept");
         let found: Value = serde_json::from_str(&json).expect("JSON");
@@ -78,6 +106,7 @@ fn from_a_plan_to_a_page() {
             assert!(count("film") > count("starts") && !ride["scene"].is_null());
         }
     }
+    watch(&folder);
     bad(&folder, "drive --task kart --model models-platformer/smile-0.1.model --html x.html", "a kart model is needed");
     bad(&folder, "drive --task kart --model kart.json --html x.html", "not a rollin model");
     bad(&folder, "tag --model models-kart/smile-0.1.model", "a model for kart");

@@ -1,6 +1,8 @@
 //! Experiments on a game so small that all is over in no time.
 
 mod balance;
+#[path = "../common/chromium.rs"]
+mod chromium;
 #[cfg(feature = "cli")]
 mod cli;
 mod pages;

@@ -2,6 +2,8 @@
 #![cfg(feature = "cli")]
 
 mod browser;
+#[path = "../common/chromium.rs"]
+mod chromium;
 mod pages;
 
 use serde_json::Value;

@@ -1,8 +1,11 @@
 //! The server, asked as its clients ask it.
 #![cfg(all(feature = "serve", unix))]
 
+#[path = "../common/chromium.rs"]
+mod chromium;
 mod client;
 
+use chromium::Browser;
 use client::{Server, receive, send};
 use serde_json::{Value, json};
 use std::io::{BufReader, Write};
@@ -203,4 +206,31 @@ fn what_has_come_is_answered_before_the_end() {
     let (status, tagged) = receive(&mut BufReader::new(stream)).expect("an answer");
     assert_eq!((status, tagged.lines().count()), (200, text.lines().count()));
     assert!(server.process.wait().expect("it ends").success());
+}
+
+/// A sentence is typed, its labels come, and a click tells why.
+#[test]
+fn the_page_works_in_a_browser() {
+    let Some(browser) = Browser::start() else {
+        eprintln!("skipped: chromedriver and chromium are not installed");
+        return;
+    };
+    let folder = folder();
+    let server = Server::start(folder.path(), "--model m");
+    browser.visit(&format!("http://{}/", server.address));
+    browser.until("return document.getElementById('about').textContent.includes('tagging')");
+    browser
+        .run("document.getElementById('text').value = 'the boat sinks'; document.querySelector('form button').click()");
+    browser.until("return document.querySelectorAll('.token').length === 3");
+    browser.looks("return [...document.querySelectorAll('.token')].map(token => token.children[1].textContent).join() === 'D,N,V'");
+    browser.holds(
+        "return [...document.querySelectorAll('.token')].every(token => token.children[2].textContent.endsWith('%'))",
+    );
+    browser.run("document.querySelectorAll('.token')[1].click()");
+    browser.holds("return document.querySelector('h2').textContent === 'Why boat is N' && document.querySelectorAll('tr').length > 3");
+    browser.run("document.getElementById('text').value = 'a b\\nc'; document.querySelector('form button').click()");
+    browser.until("return document.getElementById('error').textContent.includes('2:2')");
+    // The refusal is on the console, too, as the browser sees to it; nothing else is.
+    let told = browser.console();
+    assert!(told.as_array().is_some_and(|told| told.len() == 1) && told.to_string().contains("400"), "{told}");
 }
