@@ -133,7 +133,7 @@ impl Convert {
 
     /// Mends the labels.
     fn mend(&self, part: &mut Part) -> Result<()> {
-        let how = Mending { repair: true, labels: self.labels(), order: self.order.map(Order::from) };
+        let how = Mending { repair: true, otherwise: None, labels: self.labels(), order: self.order.map(Order::from) };
         match part {
             Part::Columns(corpus) => how.mend(corpus),
             Part::Items(items) => how.mend_column(&mut items.labels, 0),

@@ -57,9 +57,7 @@ impl Evaluate {
         }
         let mut data = read_corpus::<T>(&self.data)?;
         model.encoding.check(&data)?;
-        if self.repair {
-            T::mend(&mut data, model.encoding.mending(true))?;
-        }
+        T::mend(&mut data, model.encoding.mending(self.repair))?;
         let space = model.encoding.apply(&data)?;
         let actions = model.perform(space, data.sentences(), 0, Seed::new(global.seed));
         let score = model.encoding.judge(&model.policy, &data, &actions)?;

@@ -123,8 +123,10 @@ impl From<OrderName> for Order {
 /// How labels that break the rule are met.
 #[derive(Clone, Copy)]
 pub struct Mending {
-    /// Whether they are mended, or only reported.
+    /// Whether they are mended.
     pub repair: bool,
+    /// What follows where they are not, to be told with the first of them; nothing is told where they will be refused.
+    pub otherwise: Option<&'static str>,
     /// Where the labels stand.
     pub labels: LabelColumn,
     /// The rule; by default what the labels suggest.
@@ -135,8 +137,7 @@ pub struct Mending {
 const TOLD: usize = 5;
 
 impl Mending {
-    /// Mends the labels of `corpus` or reports, on standard error, the first that breaks the rule. A rule that was asked for is nobody's guess: what breaks it is
-    /// left to be refused.
+    /// Mends the labels of `corpus` or tells, on standard error, of the first that breaks the rule.
     pub fn mend(self, corpus: &mut Corpus) -> Result<()> {
         self.mend_column(corpus, self.labels.in_corpus(corpus)?)
     }
@@ -149,8 +150,8 @@ impl Mending {
             if mended.len() > TOLD {
                 tell("note", &format!("{}: {} more labels were changed", corpus.path.display(), mended.len() - TOLD));
             }
-        } else if self.order.is_none() {
-            let (illegal, order) = tagging::illegal(corpus, column, None);
+        } else if let Some(otherwise) = self.otherwise {
+            let (illegal, order) = tagging::illegal(corpus, column, self.order);
             if let Some(first) = illegal.first() {
                 let (place, label) = (corpus.place(*first, column), corpus.word(column, *first));
                 let more = match illegal.len() {
@@ -159,11 +160,7 @@ impl Mending {
                 };
                 tell(
                     "note",
-                    &format!(
-                        "{place}: label {label}{more} may not stand there by {}, so any label may follow any; --repair mends this, \
-                     --order free wants it so",
-                        order.name()
-                    ),
+                    &format!("{place}: label {label}{more} may not stand there by {}, {otherwise}", order.name()),
                 );
             }
         }
@@ -207,7 +204,14 @@ impl Reading {
 
     /// How labels that break the rule are met.
     pub fn mending(&self) -> Mending {
-        Mending { repair: self.repair, labels: self.labels(), order: self.order.map(Order::from) }
+        let otherwise = "so any label may follow any; --repair mends this, --order free wants it so";
+        Mending {
+            repair: self.repair,
+            // A rule that was asked for is nobody's guess: what breaks it is refused.
+            otherwise: self.order.is_none().then_some(otherwise),
+            labels: self.labels(),
+            order: self.order.map(Order::from),
+        }
     }
 
     pub fn labels(&self) -> LabelColumn {

@@ -110,7 +110,7 @@ pub trait Verbs: Task {
 
     /// How labels are met that break the rule by which this was trained.
     fn mending(&self, repair: bool) -> Mending {
-        Mending { repair, labels: tagging::LabelColumn::Last, order: None }
+        Mending { repair, otherwise: None, labels: tagging::LabelColumn::Last, order: None }
     }
 
     /// What to compare on where no data are given.
@@ -139,7 +139,8 @@ impl Verbs for tagging::Encoding {
 
     fn mending(&self, repair: bool) -> Mending {
         let order = Some(self.transitions.order()).filter(|order| *order != tagging::Order::Free);
-        Mending { repair, labels: tagging::LabelColumn::At(self.label_column), order }
+        let otherwise = order.map(|_| "so that the model, which keeps to that, is wrong there; --repair mends this");
+        Mending { repair, otherwise, labels: tagging::LabelColumn::At(self.label_column), order }
     }
 
     fn embedded() -> Option<Result<Both<Corpus>>> {

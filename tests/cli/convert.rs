@@ -90,6 +90,12 @@ fn labels_are_mended_and_it_is_said() {
         assert_eq!(errors, mended);
         assert_eq!(folder.json("inspect m --json")["order"], "iob2");
     }
+    let [_, errors] = folder.told("evaluate --model m --data c.txt", "");
+    assert_eq!(
+        errors,
+        "note: c.txt:4:5: label I-X and 1 more may not stand there by iob2, so that the model, which keeps to that, is wrong there; \
+         --repair mends this\n"
+    );
     let [score, errors] = folder.told("evaluate --model m --data c.txt --repair --json", "");
     assert_eq!(errors, mended);
     let score: serde_json::Value = serde_json::from_str(&score).expect("JSON");
