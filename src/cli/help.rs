@@ -166,8 +166,9 @@ pub fn update() -> StyledStr {
     help(
         "\
 Examples:
-  rollin update --model tagger.model --data test.txt --output newer.model
-  rollin update --model newer.model --data test.txt --output newer.model --rounds 2",
+  rollin generate --grammar grammars/dialects.grammar --count 200 --seed 2 > more.txt
+  rollin update --model words.model --data more.txt --output newer.model
+  rollin update --model newer.model --data more.txt --output newer.model --rounds 2",
     )
 }
 
