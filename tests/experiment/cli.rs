@@ -65,7 +65,8 @@ fn watch(folder: &tempfile::TempDir) {
         let colours = "const canvas = document.querySelector('canvas');
             const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
             return new Set(new Uint32Array(pixels.buffer)).size > 2";
-        browser.looks(colours);
+        browser.looks("return document.querySelector('canvas').clientWidth > 300");
+        browser.holds(colours);
         browser
             .holds("const seek = document.getElementById('seek'); return seek.value === '0' && Number(seek.max) > 5");
         browser.run("document.getElementById('play').click()");
