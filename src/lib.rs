@@ -46,7 +46,7 @@
 //! | [`tasks`] | sequence tagging, segmentation, dependency parsing, graph labelling, navigation, a platform game, a kart, tabular problems; what a task is to the program, and model files |
 //! | [`experiment`] | the paper's two experiments, on games, and replays of them |
 //! | [`report`], `cli` | tables, figures, pages; the program |
-//! | [`guide`] | chapters: [what the theorems say](guide::theorems), [what a token costs](guide::speed), [what is promised of long runs](guide::long_runs) |
+//! | [`guide`] | chapters, from a [quick start](guide::start) over [the choice of a trainer](guide::choosing) to [what the theorems say](guide::theorems) and [what a token costs](guide::speed) |
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -33,6 +33,9 @@ pub mod long_runs {}
 #[doc = include_str!("speed.md")]
 pub mod speed {}
 
+#[doc = include_str!("games.md")]
+pub mod games {}
+
 #[doc = include_str!("serving.md")]
 pub mod serving {}
 
