@@ -53,6 +53,7 @@ fn methods(learner: &CrossValidated<Net>, amount: Amount, short: [Amount; 2]) ->
         method("supervised", Teaching::Supervised(Supervised { rounds: slow })),
         method("smile-0.1", Teaching::Smile(smile(Reuse::None, None))),
         method("smile-0.2", Teaching::Smile(Smile { alpha: 0.2, rounds: fast, ..smile(Reuse::None, None) })),
+        method("smile-warm", Teaching::Smile(Smile { warm: true, ..smile(Reuse::None, None) })),
         method("smile-4.3", Teaching::Smile(smile(Reuse::Printed43, Some(PIECE)))),
         method("smile-ageing", Teaching::Smile(smile(Reuse::Ageing, Some(PIECE)))),
         method("dagger", Teaching::Dagger(Dagger { rounds: slow, ..Dagger::default() })),
