@@ -90,7 +90,7 @@ fn text_and_json_are_answered() {
 #[test]
 fn what_is_wrong_is_said() {
     let folder = folder();
-    let server = Server::start(folder.path(), "--model m --body-limit 1000 --time-limit 1");
+    let server = Server::start(folder.path(), "--model m --body-limit 1000 --time-limit 1 --idle-limit 1");
     let error = |head: &str, body: &[u8]| {
         let (status, answer) = json_of(server.ask(head, body));
         (status, answer["error"].as_str().unwrap_or_default().to_owned())

@@ -41,9 +41,12 @@ pub struct Serve {
     /// The largest body of a request, in bytes; a larger one is answered by 413
     #[arg(long, value_name = "BYTES", default_value_t = 1 << 20)]
     body_limit: usize,
-    /// Seconds a request may take, its arrival included; then it is answered by 408, or cut off if not even its head has come
+    /// Seconds a request may take once its head has come; then it is answered by 408
     #[arg(long, value_name = "SECONDS", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=3600))]
     time_limit: u64,
+    /// Seconds a connection may be silent or take to send a request's head; then it is closed
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    idle_limit: u64,
     /// Requests that may be in progress or wait; one more is answered by 503
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     queue: u32,
@@ -134,7 +137,7 @@ impl Serve {
         let service = TowerToHyperService::new(app::routes(app));
         hyper::server::conn::http1::Builder::new()
             .timer(TokioTimer::new())
-            .header_read_timeout(Duration::from_secs(self.time_limit))
+            .header_read_timeout(Duration::from_secs(self.idle_limit))
             .serve_connection(TokioIo::new(stream), service)
     }
 }
