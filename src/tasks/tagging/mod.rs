@@ -9,13 +9,15 @@ mod names;
 pub mod readings;
 mod repair;
 mod space;
+mod tagger;
 mod task;
 mod transitions;
 
 pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
 pub use repair::{Mended, illegal, repair};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
-pub use task::{Columns, Header, Settings, Tagger};
+pub use tagger::Tagger;
+pub use task::{Columns, Header, Settings};
 pub use transitions::{Order, Transitions};
 
 pub use super::{About, AnyLearner, Learned, Trainer};
