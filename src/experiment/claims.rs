@@ -54,12 +54,12 @@ pub fn claims(findings: &Findings) -> Vec<Claim> {
         SLOW,
         "supervised",
     ));
+    claims.extend(of_grades(findings));
     claims.extend(better(
-        format!("with nets that start from the one before SMILe's {what} is better than supervised imitation's"),
+        format!("with nets that start from the one before, SMILe's {what} is better than supervised imitation's"),
         "smile-warm",
         "supervised",
     ));
-    claims.extend(of_grades(findings));
     claims.extend(better(format!("SMILe ends with better {what} at alpha 0.1 than at 0.2"), SLOW, FAST));
     claims.extend(early.flatten());
     claims.extend(of_reuse(findings, "smile-4.3", "Algorithm 4.3"));
