@@ -8,6 +8,7 @@ mod client;
 
 use client::{Server, receive, send};
 use std::io::{BufReader, Write};
+use std::net::TcpStream;
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -36,7 +37,7 @@ struct Seen {
 
 /// Asks until `over`, on one connection as long as the server keeps it.
 fn client(server: &Server, (text, expected): (&[u8], &str), over: &AtomicBool) -> Seen {
-    let mut seen = Seen::default();
+    let (mut seen, mut slow) = (Seen::default(), Vec::new());
     let mut stream = server.connect();
     let mut reader = BufReader::new(stream.try_clone().expect("a socket"));
     for turn in 0_usize.. {
@@ -48,10 +49,8 @@ fn client(server: &Server, (text, expected): (&[u8], &str), over: &AtomicBool) -
                 0 => server.ask("POST /tag", b"the X\nboat\n").0 == 400,
                 1 => server.ask("POST /tag", &vec![b'a'; 200_000]).0 == 413,
                 _ => {
-                    let mut slow = server.connect();
-                    slow.write_all(b"POST /tag HTTP/1.1\r\nHost: x\r\nContent-Length: 100\r\n\r\nthe")
-                        .expect("it takes that");
-                    receive(&mut BufReader::new(slow)).is_some_and(|(status, _)| status == 408)
+                    slow.push(dawdle(server));
+                    true
                 }
             };
             assert!(status, "a bad request was not answered as such");
@@ -64,7 +63,18 @@ fn client(server: &Server, (text, expected): (&[u8], &str), over: &AtomicBool) -
         seen.seconds.push(start.elapsed().as_secs_f64());
         assert!(status == 200 && answer == expected, "a good request was answered by {status}");
     }
+    for slow in slow {
+        let answer = receive(&mut BufReader::new(slow));
+        assert!(answer.is_some_and(|(status, _)| status == 408), "a slow request was not timed out");
+    }
     seen
+}
+
+/// A request whose body never comes; nobody waits for the answer.
+fn dawdle(server: &Server) -> TcpStream {
+    let mut slow = server.connect();
+    slow.write_all(b"POST /tag HTTP/1.1\r\nHost: x\r\nContent-Length: 100\r\n\r\nthe").expect("it takes that");
+    slow
 }
 
 fn main() {
@@ -79,7 +89,7 @@ fn main() {
     rollin("train --data train.txt --model m");
     let sentences: Vec<&str> = rollin::grammar::defaults::TEST.split("\n\n").take(10).collect();
     let text = sentences.join("\n\n") + "\n";
-    let server = Server::start(folder.path(), "--model m --body-limit 100000 --time-limit 1");
+    let server = Server::start(folder.path(), "--model m --body-limit 100000 --time-limit 1 --connections 10000");
     let expected = server.ask("POST /tag", text.as_bytes()).1;
     let tokens = text.lines().filter(|line| !line.is_empty()).count();
     assert_eq!(expected.lines().filter(|line| !line.is_empty()).count(), tokens);
