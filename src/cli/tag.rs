@@ -44,8 +44,10 @@ const BLOCK: usize = 65_536;
 /// In which form a block is answered.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Its lines with what the model says, and how sure it is where it has temperatures.
+    /// Its lines with what the model says.
     Lines,
+    /// The same with how sure it is, of which a model that was not calibrated says nothing.
+    Confidence,
     /// The same with reasons below each line.
     Reasons,
     /// The reasons alone, a JSON object a token.
@@ -83,8 +85,6 @@ impl Tag {
                 let remedy = "train it with --calibrate, and with the --reading that it is used with";
                 return Err(Error::file(&self.model, "a model that was not calibrated", remedy));
             }
-        } else {
-            model.temperatures.clear();
         }
         if self.explain {
             if !T::NAMED {
@@ -93,6 +93,7 @@ impl Tag {
             explain::check(&model, &self.model)?;
         }
         let form = match (self.explain, global.json) {
+            (false, _) if self.confidence => Form::Confidence,
             (false, _) => Form::Lines,
             (true, false) => Form::Reasons,
             (true, true) => Form::Objects,
@@ -147,7 +148,8 @@ pub fn answer<T: Task>(model: &Model<T>, (block, data, before): Read<T>, form: F
     match form {
         Form::Reasons => return explain::text(model, &asked, &Block { bytes: text, ..block }),
         Form::Objects => return explain::json(model, &asked),
-        Form::Lines => {}
+        Form::Lines => return Ok(text),
+        Form::Confidence => {}
     }
     let Some(sure) = model.sure(data, &actions, before, seed)? else { return Ok(text) };
     // What was written has the same lines: each of a token gets one column more.

@@ -34,25 +34,25 @@ pub struct Wishes {
     pub explain: bool,
 }
 
+impl Wishes {
+    /// The form of lines that has how sure each label is, or not.
+    fn lines(self) -> Form {
+        if self.confidence { Form::Confidence } else { Form::Lines }
+    }
+}
+
 /// Does what `rollin tag` does.
 trait Tags: Send + Sync {
-    /// What the model says of `text` in this form, and how sure it is if `sure`; and how many tokens there were.
-    fn tag(&self, text: Vec<u8>, sure: bool, form: Form, seed: u64) -> Result<(Vec<u8>, usize)>;
+    /// What the model says of `text` in this form; and how many tokens there were.
+    fn tag(&self, text: Vec<u8>, form: Form, seed: u64) -> Result<(Vec<u8>, usize)>;
 }
 
-/// A model, and the same without temperatures.
-struct Both<T> {
-    sure: Model<T>,
-    plain: Model<T>,
-}
-
-impl<T: Task> Tags for Both<T> {
-    fn tag(&self, text: Vec<u8>, sure: bool, form: Form, seed: u64) -> Result<(Vec<u8>, usize)> {
-        let model = if sure { &self.sure } else { &self.plain };
+impl<T: Task> Tags for Model<T> {
+    fn tag(&self, text: Vec<u8>, form: Form, seed: u64) -> Result<(Vec<u8>, usize)> {
         let block = Block { bytes: text, first_line: 1 };
-        let data = model.encoding.parse_block(&block, "<request>".as_ref(), &mut T::Stream::default())?;
+        let data = self.encoding.parse_block(&block, "<request>".as_ref(), &mut T::Stream::default())?;
         let tokens = data.as_ref().map_or(0, Data::tokens);
-        Ok((tag::answer(model, (block, data, 0), form, Seed::new(seed))?, tokens))
+        Ok((tag::answer(self, (block, data, 0), form, Seed::new(seed))?, tokens))
     }
 }
 
@@ -61,23 +61,21 @@ impl Served {
     pub fn load(path: &Path, seed: u64) -> Result<Self> {
         let (bytes, task) = read_model(path)?;
         with_task!(task, T => {
-            let sure = Model::<T>::from_bytes(&bytes, path)?;
-            let (labels, calibrated) = (T::CONFIDENT, !sure.temperatures.is_empty());
-            let explains = T::NAMED && sure.policy.sums().is_some();
+            let model = Model::<T>::from_bytes(&bytes, path)?;
+            let (labels, calibrated) = (T::CONFIDENT, !model.temperatures.is_empty());
+            let explains = T::NAMED && model.policy.sums().is_some();
             let about = json!({
                 "status": "ok",
                 "model": path,
                 "task": T::NAME,
-                "features": sure.encoding.features(),
-                "trainer": sure.about.trainer,
-                "learner": sure.about.learner,
-                "trained_on": sure.about.data,
+                "features": model.encoding.features(),
+                "trainer": model.about.trainer,
+                "learner": model.about.learner,
+                "trained_on": model.about.data,
                 "calibrated": calibrated,
                 "explains": explains,
             });
-            let mut plain = sure.clone();
-            plain.temperatures.clear();
-            let tagger = Box::new(Both { sure, plain });
+            let tagger = Box::new(model);
             Ok(Served { path: path.to_owned(), seed, tagger, about, labels, calibrated, explains })
         })
     }
@@ -109,8 +107,8 @@ impl Served {
                 "left out of text that explains; JSON can have both",
             ));
         }
-        let form = if wishes.explain { Form::Reasons } else { Form::Lines };
-        self.tagger.tag(text, wishes.confidence, form, self.seed)
+        let form = if wishes.explain { Form::Reasons } else { wishes.lines() };
+        self.tagger.tag(text, form, self.seed)
     }
 
     /// The labels of sentences, and how many tokens there were.
@@ -123,10 +121,10 @@ impl Served {
         let text = request.text()?;
         let mut reasons = Vec::new();
         if wishes.explain {
-            reasons = self.tagger.tag(text.clone(), false, Form::Objects, self.seed)?.0;
+            reasons = self.tagger.tag(text.clone(), Form::Objects, self.seed)?.0;
         }
         let mut reasons = reasons.split(|byte| *byte == b'\n');
-        let (tagged, tokens) = self.tagger.tag(text, wishes.confidence, Form::Lines, self.seed)?;
+        let (tagged, tokens) = self.tagger.tag(text, wishes.lines(), self.seed)?;
         let tagged = String::from_utf8_lossy(&tagged);
         let mut lines = tagged.lines();
         let sentences = request.sentences.iter().map(|sentence| {
