@@ -28,6 +28,10 @@ mod theory;
 mod train;
 mod update;
 
+#[cfg(feature = "serve")]
+#[doc(hidden)]
+pub use serve::Answerer;
+
 use crate::error::{Error, Result};
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::io::{self, Write};

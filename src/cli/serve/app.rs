@@ -1,7 +1,7 @@
 //! What is answered to which request.
 
 use super::metrics::Metrics;
-use super::model::{Request, Served, Wishes};
+use super::model::{Served, Wishes};
 use crate::error::{Error, Result};
 use axum::Router;
 use axum::body::Bytes;
@@ -167,7 +167,10 @@ async fn tag(
     let model = app.model();
     // Whoever hangs up or is timed out does not make room before the work is done.
     let done = tokio::task::spawn_blocking(move || {
-        let answer = if json { as_json(&model, &body, wishes) } else { model.text(body.to_vec(), wishes).map(plain) };
+        let answer = match json {
+            true => model.json(&body, wishes).map(|(answer, tokens)| (tokens, axum::Json(answer).into_response())),
+            false => model.text(body.to_vec(), wishes).map(plain),
+        };
         drop((work, place, waiting));
         answer
     });
@@ -192,21 +195,4 @@ impl Drop for Waiting {
 
 fn plain((text, tokens): (Vec<u8>, usize)) -> (usize, Response) {
     (tokens, ([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
-}
-
-fn as_json(model: &Served, body: &[u8], mut wishes: Wishes) -> Result<(usize, Response)> {
-    let request: Request = serde_json::from_slice(body).map_err(|error| {
-        let place = crate::error::Place { path: "<request>".into(), line: error.line(), column: error.column() };
-        let text = error.to_string();
-        let what = text.split(" at line ").next().unwrap_or(&text).to_owned();
-        Error::data(
-            place,
-            what,
-            r#"{"sentences": [["word", ...], ...]} or {"sentences": [[["word", "column", ...], ...], ...]}"#,
-        )
-    })?;
-    wishes.confidence |= request.confidence;
-    wishes.explain |= request.explain;
-    let (answer, tokens) = model.sentences(&request, wishes)?;
-    Ok((tokens, axum::Json(answer).into_response()))
 }

@@ -12,7 +12,7 @@ use clap::Args;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
-use model::Served;
+use model::{Served, Wishes};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -183,4 +183,30 @@ async fn reload_on_hangup(app: Arc<App>) {
     }
     #[cfg(not(unix))]
     let _ = app;
+}
+
+/// What answers the body of a request, without a network: for the fuzz target of bodies.
+#[doc(hidden)]
+pub struct Answerer(Served);
+
+impl Answerer {
+    /// With the model in this file.
+    ///
+    /// # Errors
+    /// When it is none.
+    pub fn load(path: &std::path::Path) -> Result<Self> {
+        Served::load(path, 1).map(Answerer)
+    }
+
+    /// What this body is answered by.
+    ///
+    /// # Errors
+    /// When it is refused.
+    pub fn answer(&self, body: &[u8], json: bool, confidence: bool, explain: bool) -> Result<Vec<u8>> {
+        let wishes = Wishes { confidence, explain };
+        match json {
+            true => Ok(serde_json::to_vec(&self.0.json(body, wishes)?.0).unwrap_or_default()),
+            false => Ok(self.0.text(body.to_vec(), wishes)?.0),
+        }
+    }
 }

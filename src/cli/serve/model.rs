@@ -2,7 +2,7 @@
 
 use crate::cli::tag::{self, Form};
 use crate::cli::tasks::{read_model, with_task};
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::read::conll::Block;
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Task};
@@ -111,8 +111,22 @@ impl Served {
         self.tagger.tag(text, form, self.seed)
     }
 
+    /// The labels of the sentences in a body of JSON, and how many tokens there were.
+    pub fn json(&self, body: &[u8], mut wishes: Wishes) -> Result<(Answer, usize)> {
+        let request: Request = serde_json::from_slice(body).map_err(|error| {
+            let place = Place { path: "<request>".into(), line: error.line(), column: error.column() };
+            let text = error.to_string();
+            let what = text.split(" at line ").next().unwrap_or(&text).to_owned();
+            let words = r#"{"sentences": [["word", ...], ...]}"#;
+            Error::data(place, what, format!(r#"{words} or {{"sentences": [[["word", "column", ...], ...], ...]}}"#))
+        })?;
+        wishes.confidence |= request.confidence;
+        wishes.explain |= request.explain;
+        self.sentences(&request, wishes)
+    }
+
     /// The labels of sentences, and how many tokens there were.
-    pub fn sentences(&self, request: &Request, wishes: Wishes) -> Result<(Answer, usize)> {
+    fn sentences(&self, request: &Request, wishes: Wishes) -> Result<(Answer, usize)> {
         if !self.labels {
             let expected = "text/plain: the model's actions are not labels of tokens";
             return Err(Error::argument("content type", "application/json", expected));
@@ -149,12 +163,12 @@ impl Served {
 /// What is asked for as JSON.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Request {
+struct Request {
     sentences: Vec<Vec<Token>>,
     #[serde(default)]
-    pub confidence: bool,
+    confidence: bool,
     #[serde(default)]
-    pub explain: bool,
+    explain: bool,
 }
 
 /// A token: its word where there is one column, or its columns.
