@@ -3,7 +3,8 @@
 use rollin::grammar::defaults;
 use rollin::learner::Logistic;
 use rollin::read::{conll, template::Template};
-use rollin::tasks::tagging::{About, Encoding, LabelColumn, Tagger};
+use rollin::tasks::About;
+use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger};
 use rollin::trainer::{Dagger, Run};
 use rollin::{Result, Seed};
 

@@ -34,7 +34,7 @@
 //!
 //! | module | what is in it |
 //! |---|---|
-//! | [`error`], [`seed`], [`output`] | errors with places; keyed randomness; files that are whole or not there |
+//! | [`error`], [`seed`], `output` | errors with places; keyed randomness; files that are whole or not there |
 //! | [`space`] | spaces, views, experts, problems; actions and features |
 //! | [`worker`] | workers, visits, the ledger, sweeps over threads |
 //! | [`policy`] | classifiers, mixtures, ladders |
@@ -57,7 +57,7 @@ pub mod grammar;
 pub mod guide;
 mod index;
 pub mod learner;
-pub mod output;
+pub(crate) mod output;
 pub mod policy;
 pub mod prelude;
 pub mod read;

@@ -17,10 +17,13 @@ mod replay;
 mod report;
 
 pub use claims::{Claim, claims};
-pub use driver::{Driver, Stored};
+pub use driver::Driver;
+pub(crate) use driver::Stored;
 pub use games::{Platforming, Racing, Scale};
-pub use lab::{Findings, Lab, Learnt, Point, Tick};
-pub use measure::{Interval, Measured, Outcome, Spread};
+pub(crate) use lab::Tick;
+pub use lab::{Findings, Lab, Learnt, Point};
+pub(crate) use measure::Spread;
+pub use measure::{Interval, Measured, Outcome};
 pub use plan::{Amount, Length, Method, Plan, Teaching};
 pub use replay::{Filmed, Ride, replay};
 pub use report::{page, text};

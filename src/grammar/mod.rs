@@ -58,7 +58,8 @@ use ndarray::{Array1, Array2};
 pub use self::bayes::Posterior;
 pub use self::compile::{LONGEST, MOST};
 pub use self::generate::Sentence;
-pub use self::graph::{Automaton, Node};
+pub(crate) use self::graph::Automaton;
+pub use self::graph::Node;
 
 use self::generate::Wheels;
 use crate::error::{Error, Result};
@@ -158,7 +159,7 @@ impl Grammar {
     ///
     /// # Errors
     ///
-    /// If the file cannot be read or is not UTF-8 ([`input::text`]), else as [`Grammar::parse`].
+    /// If the file cannot be read or is not UTF-8, else as [`Grammar::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Grammar::parse(input::name(path), &input::text(path)?)

@@ -13,17 +13,20 @@ mod value;
 
 pub use calibrated::Calibrated;
 pub use ladder::Ladder;
-pub use linear::{Columns, Linear, LinearMemory, Weights};
+pub(crate) use linear::LinearMemory;
+pub use linear::{Columns, Linear, Weights};
 pub(crate) use linear::{best, tournament};
-pub use mixture::{Member, Mixture, MixtureMemory, Reading};
+pub(crate) use mixture::MixtureMemory;
+pub use mixture::{Member, Mixture, Reading};
+pub(crate) use neural::NeuralMemory;
 pub(crate) use neural::forward;
-pub use neural::{Layer, Neural, NeuralMemory, Rows};
+pub use neural::{Layer, Neural, Rows};
 pub use outputs::Outputs;
 pub(crate) use rows::{put_rows, put_rows_of, take_rows};
 pub(crate) use tree::Node;
 pub use tree::Tree;
+pub use value::Valued;
 pub(crate) use value::value_of;
-pub use value::{Valued, ValuedMemory};
 
 use crate::space::{Action, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;

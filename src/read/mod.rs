@@ -7,7 +7,7 @@ pub mod crfsuite;
 pub mod grammar;
 pub mod graph;
 pub mod grid;
-pub mod input;
+pub(crate) mod input;
 pub mod letters;
 pub mod template;
 pub mod track;

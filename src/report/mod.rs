@@ -15,4 +15,5 @@ pub use markup::escaped;
 pub use matrix::Matrix;
 pub use page::{Fact, Figure, Page};
 pub use plot::{Axis, Dot, Plot, Series, evenly};
-pub use table::{Table, grouped};
+pub use table::Table;
+pub(crate) use table::grouped;

@@ -37,10 +37,13 @@ mod marathon;
 mod stacked;
 
 pub use actions::{Action, Actions};
-pub use dense::{Dense, DenseRows, Width};
-pub use features::{FeatureTable, Features, NO_ROW, StoredFeatures};
-pub use marathon::{Marathon, Runner, Running};
-pub use stacked::{Second, Stacked, StackedState};
+pub(crate) use dense::DenseRows;
+pub use dense::{Dense, Width};
+pub(crate) use features::StoredFeatures;
+pub use features::{FeatureTable, Features, NO_ROW};
+pub use marathon::Marathon;
+pub(crate) use marathon::Runner;
+pub use stacked::{Second, Stacked};
 
 use crate::seed::Seed;
 

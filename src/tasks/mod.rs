@@ -22,13 +22,14 @@ pub mod tagging;
 mod training;
 mod update;
 
-pub use crate::output::Arrays;
+pub(crate) use crate::output::Arrays;
 pub use classifiers::AnyClassifier;
-pub use confidence::Done;
-pub use explain::{Names, Reason, Share};
+pub(crate) use confidence::Done;
+pub(crate) use explain::{Names, Reason, Share};
 pub(crate) use file::opened;
-pub use file::{MOST_UNITS, Parts, sealed, task_of};
-pub use learners::{AnyCourse, AnyLearner};
+pub use file::sealed;
+pub(crate) use file::{MOST_UNITS, Parts, task_of};
+pub use learners::AnyLearner;
 pub use model::{About, Learned, Model};
 pub use recipe::Recipe;
 pub use training::{KeepsAll, Trainer};
@@ -43,6 +44,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// What turns the text of a task into a space and the actions of a policy into text: learned from a corpus, kept in model files.
+///
+/// It is there to be used, not to be implemented elsewhere: what only the program and model files need of it is hidden, and may change. A space of
+/// one's own needs none of it ([`guide::spaces`](crate::guide::spaces)).
 pub trait Task: Sized + Send + Sync {
     /// The task's name, in model files and on the command line.
     const NAME: &'static str;
@@ -57,11 +61,14 @@ pub trait Task: Sized + Send + Sync {
     /// What is measured.
     type Score: Score;
     /// What a model file's header says of the task. It should refuse what it does not know.
+    #[doc(hidden)]
     type Header: Serialize + DeserializeOwned;
     /// What is kept of the blocks of a stream to see that the next one goes with them.
+    #[doc(hidden)]
     type Stream: Default;
 
     /// What its corpora are made of.
+    #[doc(hidden)]
     const UNITS: Units = Units { episode: "sentence", episodes: "sentences", steps: "tokens", loss: "wrong" };
 
     /// The corpus that is `text`, which comes from `path`.
@@ -74,6 +81,7 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// With the exact place, when it is none, or does not go with the blocks before it.
+    #[doc(hidden)]
     fn parse_block(&self, block: &Block, path: &Path, stream: &mut Self::Stream) -> Result<Option<Self::Data>>;
 
     /// Learns features and actions from `data`, and gives it as a problem of imitation.
@@ -87,6 +95,7 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// As [`Task::learn`], and where there are actions that are not known here.
+    #[doc(hidden)]
     fn extend(&self, data: &Self::Data) -> Result<(Self, ProblemOf<Self>, Vec<u32>)> {
         let _ = data;
         Err(Error::argument("task", Self::NAME, "tagging: the others' models do not go on learning"))
@@ -112,6 +121,7 @@ pub trait Task: Sized + Send + Sync {
     }
 
     /// Whether an action says something of a token, so that it can be told how sure it is.
+    #[doc(hidden)]
     const CONFIDENT: bool = false;
 
     /// The temperatures of the classifiers of `policy`, found on these episodes of `problem`, from which it did not learn.
@@ -120,11 +130,13 @@ pub trait Task: Sized + Send + Sync {
     }
 
     /// How sure `policy` was of what it did in all `episodes` of `space` by [`Task::perform`].
+    #[doc(hidden)]
     fn sure(policy: &Learned, space: Self::Space, episodes: usize, done: Done<'_>) -> Vec<f32> {
         policy.sure_from(&Imitation { space, expert: Silent, episodes }, done)
     }
 
     /// Whether its features have names, so that it can be told why a policy did what it did.
+    #[doc(hidden)]
     const NAMED: bool = false;
 
     /// What tells the names of the features that occur in `data`: models keep hashes only, and a text from which the names can be had again is mostly at
@@ -132,33 +144,39 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// As [`Task::apply`].
+    #[doc(hidden)]
     fn names(&self, data: &Self::Data) -> Result<Names<'_>> {
         let _ = data;
         Ok(Box::new(|_| None))
     }
 
     /// What an action says: a label, where actions are labels, else its number.
+    #[doc(hidden)]
     fn label(&self, action: Action) -> String {
         action.0.to_string()
     }
 
     /// The features that show nothing but the one action before: that action, none at the start, and the feature's number.
+    #[doc(hidden)]
     fn transitions(&self) -> Vec<(Option<Action>, u32)> {
         Vec::new()
     }
 
     /// Why `policy` did what it did in all `episodes` of `space` by [`Task::perform`]; `None` where that is no sum of weights ([`Learned::sums`]).
+    #[doc(hidden)]
     fn reasons(policy: &Learned, space: Self::Space, episodes: usize, done: Done<'_>) -> Option<Vec<Reason>> {
         policy.reasons_from(&Imitation { space, expert: Silent, episodes }, done)
     }
 
     /// The words of sentence `i` of `data`, each with its line, in the order in which [`Task::answers`] tells of them; none where a text has no such thing.
+    #[doc(hidden)]
     fn words<'a>(&self, data: &'a Self::Data, i: usize) -> Vec<(usize, &'a str)> {
         let _ = (data, i);
         Vec::new()
     }
 
     /// For each token of `data` the line it stands on and which of `actions` says what it is; nothing unless [`Task::CONFIDENT`].
+    #[doc(hidden)]
     fn lines(&self, data: &Self::Data, actions: &[Action]) -> Vec<(usize, usize)> {
         let _ = (data, actions);
         Vec::new()
@@ -168,6 +186,7 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// As [`Task::check`].
+    #[doc(hidden)]
     fn right(&self, data: &Self::Data, actions: &[Action]) -> Result<Vec<bool>> {
         let _ = (data, actions);
         Ok(Vec::new())
@@ -183,12 +202,14 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// Those of `out`.
+    #[doc(hidden)]
     fn write(&self, block: &Block, of: Option<(&Self::Data, &[Action])>, out: &mut impl Write) -> io::Result<()>;
 
     /// Refuses a corpus that cannot be measured on, for want of right answers or anything else.
     ///
     /// # Errors
     /// With the exact place.
+    #[doc(hidden)]
     fn check(&self, data: &Self::Data) -> Result<()>;
 
     /// How `actions`, those of all episodes, compare with the right answers in `data`.
@@ -212,6 +233,7 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// As [`Task::check`].
+    #[doc(hidden)]
     fn answers(&self, data: &Self::Data, actions: &[Action], tell: &mut dyn FnMut(&str, &str)) -> Result<()> {
         let _ = (data, actions, tell);
         Ok(())
@@ -228,21 +250,26 @@ pub trait Task: Sized + Send + Sync {
     ///
     /// # Errors
     /// When there are too many features to be numbered.
+    #[doc(hidden)]
     fn keep(&mut self, used: &dyn Fn(u32) -> bool) -> Result<Vec<u32>>;
 
     /// What a model file's header says.
+    #[doc(hidden)]
     fn header(&self) -> Self::Header;
 
     /// The arrays of a model file, in the order in which [`Task::restore`] takes them.
+    #[doc(hidden)]
     fn arrays(&self) -> Vec<&[u64]>;
 
     /// The same again from a model file at `path`: untrusted input.
     ///
     /// # Errors
     /// What is wrong with header or arrays.
+    #[doc(hidden)]
     fn restore(header: Self::Header, arrays: &mut Arrays<'_>, path: &Path) -> Result<Self, String>;
 
     /// What a person wants to know of it: one line each, a name and a fact, as text and as JSON.
+    #[doc(hidden)]
     fn facts(&self) -> Vec<Fact>;
 }
 
@@ -253,6 +280,7 @@ pub type ProblemOf<T> = Imitation<<T as Task>::Space, <T as Task>::Expert>;
 pub type Training<'a, T> = dyn Fn(&ProblemOf<T>, &Run<'_, Keeping>) -> Result<Trained<Learned>> + 'a;
 
 /// The words for what a task's corpora are made of, in reports.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Units {
     /// An episode.
@@ -266,6 +294,7 @@ pub struct Units {
 }
 
 /// Something to know of a task.
+#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
     /// What it is about.

@@ -4,7 +4,8 @@ use crate::common::{learners, problem};
 use rollin::policy::{Mixture, Reading};
 use rollin::space::Imitation;
 use rollin::space::experts::{Noisy, Partly, Suboptimal};
-use rollin::tasks::tagging::{Gold, TaggingProblem, Trainer};
+use rollin::tasks::Trainer;
+use rollin::tasks::tagging::{Gold, TaggingProblem};
 use rollin::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Run, Schedule, Searn, Smile, Stacking, Supervised,
 };

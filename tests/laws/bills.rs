@@ -4,7 +4,8 @@ use crate::common::{Labels, any_corpora, corpora, fixed, learners, problem, roll
 use proptest::prelude::*;
 use rollin::Seed;
 use rollin::space::{Episode, Imitation, Problem, Space};
-use rollin::tasks::tagging::{TaggingProblem, Trainer};
+use rollin::tasks::Trainer;
+use rollin::tasks::tagging::TaggingProblem;
 use rollin::theory::ledgers::{Expected, Extent};
 use rollin::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Run, Schedule, Searn, Smile, Stacking,

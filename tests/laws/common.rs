@@ -9,7 +9,8 @@ use rollin::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Sv
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
 use rollin::space::{Action, CostToGo, Episode, Features, Imitation, Problem, Sight, Space};
-use rollin::tasks::tagging::{AnyLearner, Encoding, LabelColumn, TaggingProblem, Trainer};
+use rollin::tasks::tagging::{Encoding, LabelColumn, TaggingProblem};
+use rollin::tasks::{AnyLearner, Trainer};
 use rollin::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Schedule, Searn, Smile, Stacking, Supervised,
 };

@@ -4,7 +4,8 @@ use crate::common::{Labels, any_corpora, corpus, encoded, fixed, learners, sampl
 use proptest::prelude::*;
 use rollin::policy::{Greedy, Reading};
 use rollin::read::template::Template;
-use rollin::tasks::tagging::{About, AnyLearner, Encoding, LabelColumn, Learned, Tagger, Trainer, doc};
+use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, doc};
+use rollin::tasks::{About, AnyLearner, Learned, Trainer};
 use rollin::trainer::{EarlyUpdate, Forward, Run, Smile, Stacking};
 use rollin::{Purpose, Seed};
 use std::path::Path;

@@ -7,7 +7,7 @@ use rollin::learner::{
 use rollin::policy::{Classifier, Columns, Linear};
 use rollin::space::Sight;
 use rollin::space::{Action, Actions, FeatureTable, Features, Space};
-use rollin::tasks::tagging::Trainer;
+use rollin::tasks::Trainer;
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
 use rollin::{Purpose, Seed};
 use std::sync::Mutex;

@@ -9,7 +9,8 @@ use rollin::policy::{Member, Mixture, Policy, Reading};
 use rollin::roll::Shortcut;
 use rollin::roll::perform;
 use rollin::space::{CostToGo, Expert, Imitation};
-use rollin::tasks::tagging::{Gold, Learned, Position, Tagging, Trainer};
+use rollin::tasks::tagging::{Gold, Position, Tagging};
+use rollin::tasks::{Learned, Trainer};
 use rollin::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Run, Schedule, Searn, Smile, Stacking, Supervised,
 };

@@ -4,7 +4,8 @@ use crate::common::{Labels, corpus, encoded, sample, trainers};
 use rollin::Seed;
 use rollin::learner::Net;
 use rollin::policy::{Outputs, Reading};
-use rollin::tasks::tagging::{About, AnyLearner, Tagger};
+use rollin::tasks::tagging::Tagger;
+use rollin::tasks::{About, AnyLearner};
 use rollin::tasks::{AnyClassifier, Trainer};
 use rollin::trainer::Run;
 

@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use rollin::Seed;
 use rollin::corpus::Corpus;
 use rollin::score::{Scheme, Score};
-use rollin::tasks::tagging::{About, Encoding, LabelColumn, Order, Tagger, illegal, repair};
+use rollin::tasks::About;
+use rollin::tasks::tagging::{Encoding, LabelColumn, Order, Tagger, illegal, repair};
 use rollin::trainer::Run;
 
 /// Spans of two types by their lengths, 0 for a token outside, spelled in BILOU or IOBES.

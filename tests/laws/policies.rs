@@ -9,8 +9,9 @@ use rollin::learner::{Examples, Learner, Logistic, Online, Perceptron, Setting, 
 use rollin::policy::{Classifier, Greedy, Ladder, Mixture, Policy, Reading};
 use rollin::roll::perform;
 use rollin::space::{Action, Actions, Episode, FeatureTable, Features, Problem, Sight, Space};
-use rollin::tasks::tagging::{Learned, TaggingProblem, Trainer};
+use rollin::tasks::tagging::TaggingProblem;
 use rollin::tasks::{AnyClassifier, AnyLearner};
+use rollin::tasks::{Learned, Trainer};
 use rollin::trainer::Run;
 use rollin::worker::Worker;
 use rollin::{Purpose, Seed};

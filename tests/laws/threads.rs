@@ -3,7 +3,8 @@
 use crate::common::{Labels, encoded, learners, sample, trainers};
 use rayon::ThreadPoolBuilder;
 use rollin::Seed;
-use rollin::tasks::tagging::{About, AnyLearner, Encoding, Tagger, TaggingProblem, Trainer};
+use rollin::tasks::tagging::{Encoding, Tagger, TaggingProblem};
+use rollin::tasks::{About, AnyLearner, Trainer};
 use rollin::trainer::Run;
 use rollin::worker::Ledger;
 

@@ -25,7 +25,8 @@
 
 mod task;
 
-pub use task::{Encoding, Labeller, Score, Visit};
+pub use task::Labeller;
+pub use task::{Encoding, Score, Visit};
 
 use crate::error::{Error, Result};
 use crate::seed::Seed;

@@ -39,10 +39,11 @@ mod task;
 mod world;
 
 pub use maps::Maps;
-pub use margin::{MaximumMargin, Planner, PlannerMemory};
+pub use margin::{MaximumMargin, Planner};
 pub(crate) use network::check_features;
 pub use network::{Network, Road, Site};
 pub use plan::Plan;
 pub use space::{At, Cheapest, Eyes, Navigation, Place};
-pub use task::{Atlas, Guide, Header, Journeys, Traveller};
+pub use task::Traveller;
+pub use task::{Atlas, Guide, Journeys};
 pub use world::{Legend, Trip, World};

@@ -33,12 +33,13 @@ mod state;
 mod task;
 mod tree;
 
-pub use encoding::{Encoding, MOST_LABELS, Settings};
+pub use encoding::MOST_LABELS;
+pub use encoding::{Encoding, Settings};
 pub use oracle::GoldTree;
 pub use score::{Attachment, Counts};
 pub use space::Parsing;
 pub use state::{Configuration, Move, System};
-pub use task::{Header, Parser};
+pub use task::Parser;
 
 use crate::space::Imitation;
 

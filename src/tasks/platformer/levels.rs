@@ -116,7 +116,7 @@ impl Levels {
     /// The levels described in the file `path`.
     ///
     /// # Errors
-    /// If the file cannot be read or is not UTF-8 ([`input::text`]), else as [`Levels::parse`].
+    /// If the file cannot be read or is not UTF-8, else as [`Levels::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Levels::parse(input::name(path), &input::text(path)?)

@@ -4,7 +4,7 @@
 
 mod task;
 
-pub use task::{Chart, EPISODES, Header, Runs, Value, Walker};
+pub use task::{Chart, EPISODES, Runs, Value, Walker};
 
 use crate::error::{Error, Result};
 use crate::policy::Classifier;

@@ -58,9 +58,6 @@ pub struct Chart {
     choices: usize,
 }
 
-/// What a model file says of a chart.
-pub type Header = Chart;
-
 /// What a policy costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Value {

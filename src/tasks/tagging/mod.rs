@@ -13,14 +13,14 @@ mod tagger;
 mod task;
 mod transitions;
 
-pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
+pub use encoding::MOST_LABELS;
+pub use encoding::{Dictionary, Encoding, LabelColumn};
 pub use repair::{Mended, illegal, repair};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
 pub use tagger::Tagger;
-pub use task::{Columns, Header, Settings};
+pub(crate) use task::Header;
+pub use task::{Columns, Settings};
 pub use transitions::{Order, Transitions};
-
-pub use super::{About, AnyLearner, Learned, Trainer};
 
 use crate::space::Imitation;
 
