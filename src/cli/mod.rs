@@ -65,6 +65,9 @@ struct Global {
     json: bool,
 }
 
+/// The exit code where standard output was closed before all was written: that of a program that the signal ended (128 + SIGPIPE).
+const READER_GONE: u8 = 141;
+
 /// More would only cost memory.
 const MOST_THREADS: i64 = 1024;
 
@@ -116,6 +119,8 @@ pub fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match run(&cli, &Given::of(&command, &matches)) {
         Ok(code) => code,
+        // Whoever reads no further has what they wanted.
+        Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(READER_GONE),
         Err(error) => {
             terminal::tell("error", &error);
             ExitCode::from(2)

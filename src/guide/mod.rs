@@ -39,6 +39,9 @@ pub mod games {}
 #[doc = include_str!("serving.md")]
 pub mod serving {}
 
+#[doc = include_str!("limits.md")]
+pub mod limits {}
+
 #[doc = include_str!("from_crfsuite.md")]
 pub mod from_crfsuite {}
 

@@ -15,7 +15,7 @@ use crate::space::{Action, Actions, Dense, DenseRows, Features, NO_ROW, Store, S
 ///
 /// ```
 /// use rollin::learner::{Kept, Setting};
-/// use rollin::output::Arrays;
+/// use rollin::learner::Arrays;
 /// use rollin::space::{Dense, Width};
 ///
 /// let setting = Setting::<Dense> { shared: &Width(2), actions: 3 };

@@ -31,6 +31,7 @@ mod tabular;
 mod tree;
 mod wap;
 
+pub use crate::output::Arrays;
 pub use calibrate::{Reliability, calibrate, calibration_error};
 pub use costtree::CostTree;
 pub(crate) use crammer::CrammerCourse;

@@ -13,7 +13,7 @@
 //! let mut packer = flate2::write::GzEncoder::new(file, Default::default());
 //! packer.write_all(b"cat NN\n").and_then(|()| packer.finish()).expect("the disk takes it");
 //!
-//! assert_eq!(rollin::read::input::bytes(&path)?, b"cat NN\n");
+//! assert_eq!(rollin::corpus::Corpus::read(&path)?.word(0, 1), "NN");
 //! # Ok::<(), rollin::Error>(())
 //! ```
 
@@ -61,10 +61,13 @@ fn plain(mut raw: Input, path: &Path) -> Result<Input> {
         return Err(Error::file(path, problem, "pack it, or give it another name"));
     }
     let raw = Cursor::new(head).chain(raw);
+    let whole = |raw| BufReader::with_capacity(BUFFER, Patient(raw));
     Ok(match found {
         None => Box::new(raw),
-        Some(Packing::Gzip) => unpacked(Packing::Gzip, MultiGzDecoder::new(raw)),
-        Some(Packing::Zstd) => unpacked(Packing::Zstd, Frames { raw, decoder: FrameDecoder::new(), open: false }),
+        Some(Packing::Gzip) => unpacked(Packing::Gzip, MultiGzDecoder::new(whole(raw))),
+        Some(Packing::Zstd) => {
+            unpacked(Packing::Zstd, Frames { raw: whole(raw), decoder: FrameDecoder::new(), open: false })
+        }
     })
 }
 
@@ -161,6 +164,20 @@ fn head(raw: &mut impl Read) -> io::Result<Vec<u8>> {
         }
     }
     Ok(head)
+}
+
+/// Reads again where a signal interrupted: a decoder in the middle of a block could not.
+struct Patient<R>(R);
+
+impl<R: Read> Read for Patient<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        loop {
+            match self.0.read(buffer) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                done => return done,
+            }
+        }
+    }
 }
 
 /// What `decoder` makes of an archive, with errors that say so.
@@ -277,6 +294,52 @@ mod tests {
         let mut input = plain(raw, path.as_ref()).map_err(|error| error.to_string())?;
         input.read_to_end(&mut text).map_err(|error| error.to_string())?;
         Ok(text)
+    }
+
+    /// Interrupted before every third piece, and broken after `whole` bytes.
+    struct Faulty {
+        bytes: Vec<u8>,
+        piece: usize,
+        calls: usize,
+        at: usize,
+        whole: usize,
+    }
+
+    impl Read for Faulty {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            self.calls += 1;
+            match self.calls % 3 {
+                0 => return Err(io::ErrorKind::Interrupted.into()),
+                _ if self.at == self.whole && self.at < self.bytes.len() => return Err(io::ErrorKind::TimedOut.into()),
+                _ => {}
+            }
+            let some = buffer.len().min(self.piece).min(self.bytes.len().min(self.whole) - self.at);
+            buffer[..some].copy_from_slice(&self.bytes[self.at..self.at + some]);
+            self.at += some;
+            Ok(some)
+        }
+    }
+
+    #[test]
+    fn interruptions_and_faults() {
+        let text: Vec<u8> = (0..999).flat_map(|i| format!("word{} X\n", i * i).into_bytes()).collect();
+        for archive in [text.clone(), gzip(&text), zstd(&text)] {
+            for piece in [1, 5, 100_000] {
+                for whole in [usize::MAX, archive.len() / 2, archive.len() - 1, 5] {
+                    let raw = Faulty { bytes: archive.clone(), piece, calls: 0, at: 0, whole };
+                    let (mut read, raw) = (Vec::new(), Box::new(BufReader::with_capacity(64, raw)));
+                    let done = plain(raw, "-".as_ref()).map(|mut input| input.read_to_end(&mut read));
+                    let done = done.expect("its first bytes are there").map(|_| ());
+                    match whole {
+                        usize::MAX => assert!(done.is_ok() && read == text, "{done:?} by {piece}"),
+                        _ => {
+                            let error = done.expect_err("it broke");
+                            assert!(text.starts_with(&read) && error.kind() != io::ErrorKind::Interrupted, "{error:?}");
+                        }
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 mod convert;
 mod explain;
+mod faults;
 mod good;
 mod help;
 mod large;

@@ -10,6 +10,7 @@ use crate::read::conllu::Treebank;
 use crate::seed::Seed;
 use crate::space::{Episode, Expert, FeatureTable, Space};
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Labels are counted in 16 bits.
@@ -127,7 +128,12 @@ impl Encoding {
         labels.sort_unstable();
         labels.dedup();
         if labels.len() > MOST_LABELS {
-            return Err(Error::argument("labels", labels.len(), format!("at most {MOST_LABELS}")));
+            let mut seen = HashSet::new();
+            let is_more = |w: &usize| seen.insert(bank.relation(*w)) && seen.len() > MOST_LABELS;
+            let w = (0..bank.words()).find(is_more).unwrap_or(0);
+            let problem = format!("one more relation, {:?}", bank.relation(w));
+            let expected = format!("at most {MOST_LABELS} different ones");
+            return Err(Error::data(bank.relation_place(w), problem, expected));
         }
         let mut sides = vec![0; labels.len()];
         let mut trees = Trees::default();

@@ -137,8 +137,10 @@ impl Encoding {
         let column = &corpus.columns[label_column];
         let mut names: Vec<String> = column.values.iter().map(String::from).collect();
         names.sort_unstable();
-        if names.len() > MOST_LABELS {
-            return Err(Error::argument("labels", names.len(), format!("at most {MOST_LABELS}")));
+        if let Some(token) = column.cells.iter().position(|cell| *cell as usize == MOST_LABELS) {
+            let problem = format!("one more label, {:?}", column.word(token));
+            let expected = format!("at most {MOST_LABELS} different ones");
+            return Err(Error::data(corpus.place(token, label_column), problem, expected));
         }
         let numbers: Vec<u32> =
             column.values.iter().map(|name| names.partition_point(|other| other.as_str() < name) as u32).collect();
