@@ -3,7 +3,7 @@
 use super::algorithms::{Algorithm, TrainerOptions};
 use super::options::{LearnerOptions, Reading, read_corpus};
 use super::progress::Bar;
-use super::report::{ReportOptions, Sources, mixture};
+use super::report::{ReportOptions, Sources, mixture, spoken};
 use super::tasks::{TaskName, Verbs, with_task};
 use super::{Global, print, print_json};
 use crate::corpus::Corpus;
@@ -253,7 +253,7 @@ impl<T: Verbs> Bench<'_, T> {
             grouped(self.data.train.sentences() as f64),
             T::UNITS.episodes,
             grouped(self.data.test.sentences() as f64),
-            super::train::to_json(learner),
+            spoken(learner),
         )
     }
 

@@ -101,13 +101,13 @@ fn page<T: Verbs>(score: &T::Score, error: Option<f64>, answers: &Matrix) -> Pag
                 stronger, the larger its share of the row.";
     let mut measures = Table::new(["measure", "value"]);
     for measure in score.measures() {
-        measure.percent.iter().for_each(|percent| measures.row([measure.name.to_owned(), percent.to_string()]));
+        measure.percent.iter().for_each(|percent| measures.row([measure.name.to_owned(), format!("{percent:.2}")]));
     }
     if let Some(error) = error {
-        measures.row(["expected calibration error %".to_owned(), (100.0 * error).to_string()]);
+        measures.row(["expected calibration error %".to_owned(), format!("{:.2}", 100.0 * error)]);
     }
     let mut lines = Table::new(["All measures"]);
-    score.text().lines().for_each(|line| lines.row([line.trim()]));
+    score.text().lines().for_each(|line| lines.row([line]));
     Page {
         title: format!("How good a model for {} is", T::NAME),
         figures: match answers.is_empty() {

@@ -7,6 +7,7 @@ use crate::output::{check_writable, write_whole};
 use crate::read::input;
 use crate::report::{Axis, Dot, Figure, Page, Plot, Series, evenly};
 use clap::Args;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,27 @@ pub struct ReportOptions {
     /// Write each chart to this folder, as NAME.svg
     #[arg(long, value_name = "FOLDER", help_heading = "Report")]
     svg: Option<PathBuf>,
+}
+
+/// Settings as they are read aloud: `logistic (passes 5, rate 0.1)`.
+pub(super) fn spoken(settings: &impl serde::Serialize) -> String {
+    fn say(value: &Value) -> String {
+        match value {
+            Value::Null => "none".to_owned(),
+            Value::String(text) => text.clone(),
+            Value::Array(values) => values.iter().map(say).collect::<Vec<_>>().join(" "),
+            Value::Object(fields) => {
+                let field = |(name, value): (&String, &Value)| match value {
+                    Value::Object(inner) if inner.is_empty() => name.clone(),
+                    Value::Object(_) => format!("{name} ({})", say(value)),
+                    _ => format!("{name} {}", say(value)),
+                };
+                fields.iter().map(field).collect::<Vec<_>>().join(", ")
+            }
+            other => other.to_string(),
+        }
+    }
+    serde_json::to_value(settings).as_ref().map_or_else(|_| String::new(), say)
 }
 
 /// What was read, by what it is for.

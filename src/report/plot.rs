@@ -107,7 +107,7 @@ pub struct Plot {
 /// The figure's width, and where its frame begins and ends, in the figure's units.
 const WIDTH: f64 = 560.0;
 const LEFT: f64 = 76.0;
-const RIGHT: f64 = 544.0;
+const RIGHT: f64 = 536.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 316.0;
 /// The height of a row of the legend, and where the first one stands.
