@@ -45,7 +45,7 @@ pub trait Rule: Sync {
     fn passes(&self) -> usize;
 
     /// Writes the loss's gradient at the scores of `example` into `gradient`, which is zero when it is called; both have one number a
-    /// column. Returns whether there is anything to change.
+    /// column. The scores of actions that are not legal mean nothing. Returns whether there is anything to change.
     fn gradient(&self, example: Lesson<'_>, scores: &[f32], gradient: &mut [f32]) -> bool;
 }
 
@@ -92,15 +92,23 @@ impl Course {
 
     /// Scores the example whose features are `fixed` and `dynamic`.
     #[inline]
-    fn score(&mut self, fixed: &[u32], dynamic: &[u32]) {
+    fn score(&mut self, fixed: &[u32], dynamic: &[u32], legal: Actions<'_>) {
         self.scores.fill(0.0);
-        self.weights.add_to(fixed, &mut self.scores);
-        self.weights.add_to(dynamic, &mut self.scores);
+        let span = self.weights.span(self.columns, legal);
+        let scores = &mut self.scores[span.clone()];
+        self.weights.add_span(fixed, span.start, scores);
+        self.weights.add_span(dynamic, span.start, scores);
     }
 
-    /// Learns from the example that was scored last.
+    /// Learns from the example that was scored last: its static features, its dynamic ones, and how many of those are near.
     #[inline]
-    fn learn<R: Rule>(&mut self, rule: &R, fixed: &[u32], dynamic: &[u32], legal: Actions<'_>, target: Target<'_>) {
+    fn learn<R: Rule>(
+        &mut self,
+        rule: &R,
+        (fixed, dynamic, near): (&[u32], &[u32], usize),
+        legal: Actions<'_>,
+        target: Target<'_>,
+    ) {
         let count = self.weights.columns();
         let lesson = Lesson { actions: self.actions, legal, target };
         self.gradient.fill(0.0);
@@ -109,12 +117,12 @@ impl Course {
             self.blocks.clear();
             self.blocks.extend(blocks.filter(|(_, g)| *g != [0.0; BLOCK]));
             self.change(rule.descent(), fixed, false);
-            self.change(rule.descent(), dynamic, true);
+            self.change(rule.descent(), dynamic, near > 0);
         }
         self.seen += 1;
     }
 
-    /// Changes the weights of `features`; those of dynamic ones are measured again, because roll-outs will ask for that.
+    /// Changes the weights of `features`. Those of dynamic ones are measured again where some are near: roll-outs will ask for that.
     fn change(&mut self, descent: Descent, features: &[u32], measure: bool) {
         let when = self.seen as f32;
         let blocks = self.weights.stride() / BLOCK;
@@ -199,6 +207,7 @@ impl<R: Rule> Learner<Features> for R {
         seed: Seed,
     ) -> Linear {
         let mut course = self.begin(setting, warm);
+        course.weights.unmeasure();
         let mut order: Vec<u32> = (0..examples.len() as u32).collect();
         let mut rng = seed.rng();
         for _ in 0..self.passes() {
@@ -206,8 +215,9 @@ impl<R: Rule> Learner<Features> for R {
             for &i in &order {
                 let (row, dynamic) = examples.views().get(i as usize);
                 let fixed = setting.shared.row(row);
-                course.score(fixed, dynamic);
-                course.learn(self, fixed, dynamic, examples.legal(i as usize), examples.target(i as usize));
+                let legal = examples.legal(i as usize);
+                course.score(fixed, dynamic, legal);
+                course.learn(self, (fixed, dynamic, 0), legal, examples.target(i as usize));
             }
         }
         let mut learned = self.finish(course);
@@ -237,10 +247,10 @@ impl<R: Rule> Online<Features> for R {
     #[inline]
     fn learn(&self, course: &mut Course, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
         let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
-        course.score(fixed, dynamic);
+        course.score(fixed, dynamic, sight.legal);
         let choice = best(course.columns, course.actions, &course.scores, sight.legal, &mut course.votes);
         if let Some(target) = target {
-            course.learn(self, fixed, dynamic, sight.legal, target);
+            course.learn(self, (fixed, dynamic, sight.view.near), sight.legal, target);
         }
         choice
     }
@@ -249,8 +259,8 @@ impl<R: Rule> Online<Features> for R {
         for i in 0..examples.len() {
             let (row, dynamic) = examples.views().get(i);
             let fixed = setting.shared.row(row);
-            course.score(fixed, dynamic);
-            course.learn(self, fixed, dynamic, examples.legal(i), examples.target(i));
+            course.score(fixed, dynamic, examples.legal(i));
+            course.learn(self, (fixed, dynamic, dynamic.len()), examples.legal(i), examples.target(i));
         }
     }
 

@@ -4,6 +4,7 @@ use super::{Classifier, Outputs};
 use crate::space::{Action, Actions, Features, NO_ROW, Sight};
 use serde::{Deserialize, Serialize};
 use std::borrow::Borrow;
+use std::ops::Range;
 
 /// What the columns of a linear classifier stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -142,6 +143,11 @@ impl Weights {
         self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
     }
 
+    /// Measures no more, for as long as nothing is decided by these weights.
+    pub(crate) fn unmeasure(&mut self) {
+        self.reach = Vec::new();
+    }
+
     /// Measures the row at `place` again, if the weights are measured.
     #[inline]
     pub(crate) fn measure_row(&mut self, place: usize) {
@@ -193,15 +199,31 @@ impl Weights {
     /// Adds these features' rows to `scores`, in the order given.
     #[inline]
     pub fn add_to(&self, features: &[u32], scores: &mut [f32]) {
-        match self.stride {
-            8 => self.add_fixed::<8>(features, scores),
-            16 => self.add_fixed::<16>(features, scores),
-            24 => self.add_fixed::<24>(features, scores),
-            32 => self.add_fixed::<32>(features, scores),
+        self.add_span(features, 0, scores);
+    }
+
+    /// The columns of the scores of `legal` actions, in whole blocks of eight; all of them, unless half are enough. Only what is needed is fetched
+    /// then: where actions come in kinds that are never legal together, most of a row is not.
+    #[inline]
+    pub(crate) fn span(&self, columns: Columns, legal: Actions<'_>) -> Range<usize> {
+        let Actions::Only([first, ..]) = legal else { return 0..self.stride };
+        let last = legal.nth(legal.len() - 1);
+        let span = first.index() / 8 * 8..(last.index() + 1).next_multiple_of(8).min(self.stride);
+        if columns == Columns::Actions && 2 * span.len() <= self.stride { span } else { 0..self.stride }
+    }
+
+    /// Adds the part of these features' rows that begins at column `from` to `scores`, in the order given.
+    #[inline]
+    pub(crate) fn add_span(&self, features: &[u32], from: usize, scores: &mut [f32]) {
+        match scores.len() {
+            8 => self.add_fixed::<8>(features, from, scores),
+            16 => self.add_fixed::<16>(features, from, scores),
+            24 => self.add_fixed::<24>(features, from, scores),
+            32 => self.add_fixed::<32>(features, from, scores),
             _ => {
                 for &feature in features {
                     if let Some(row) = self.row(feature) {
-                        scores.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
+                        scores.iter_mut().zip(&row[from..]).for_each(|(sum, w)| *sum += w);
                     }
                 }
             }
@@ -210,13 +232,13 @@ impl Weights {
 
     /// The same with the sums held in registers.
     #[inline]
-    fn add_fixed<const N: usize>(&self, features: &[u32], scores: &mut [f32]) {
+    fn add_fixed<const N: usize>(&self, features: &[u32], from: usize, scores: &mut [f32]) {
         let Some(scores) = scores.first_chunk_mut::<N>() else { return };
         let mut sums = *scores;
         for &feature in features {
             // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
             let row = self.index[feature as usize] as usize;
-            if let Some(row) = self.rows[row * N..].first_chunk::<N>() {
+            if let Some(row) = self.rows[row * self.stride + from..].first_chunk::<N>() {
                 for c in 0..N {
                     sums[c] += row[c];
                 }
@@ -350,25 +372,35 @@ impl LinearMemory {
         self.version = weights.version;
     }
 
-    /// The sums over the static part of `view`, from memory where they are there.
+    /// The sums over the static part of `view`, from memory where they are there: those of the columns in `span`.
     #[inline]
-    fn fixed<'m>(fixed: &'m mut Sums, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
-        let key = (sight.view.row, 0);
+    fn fixed<'m>(
+        fixed: &'m mut Sums,
+        weights: &Weights,
+        sight: &Sight<'_, Features>,
+        span: &Range<usize>,
+    ) -> &'m [f32] {
+        let key = (sight.view.row, (span.start as u32) << 13 | (span.end / 8) as u32);
         let (place, known) = fixed.place(key);
         if !known {
-            let sums = fixed.write(place, key, weights.stride());
+            let sums = &mut fixed.write(place, key, weights.stride())[span.clone()];
             sums.fill(0.0);
-            weights.add_to(sight.shared.row(sight.view.row), sums);
+            weights.add_span(sight.shared.row(sight.view.row), span.start, sums);
         }
-        fixed.read(place, weights.stride())
+        &fixed.read(place, weights.stride())[span.clone()]
     }
 
-    /// The sums over the static part and the dynamic part of `view`.
+    /// The sums over the static part and the dynamic part of `view`; zero in columns that no legal action needs, where that is worth it.
     #[inline]
-    fn sum<'m>(&'m mut self, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
+    fn sum<'m>(&'m mut self, columns: Columns, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
         self.belong_to(weights);
-        self.sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight));
-        weights.add_to(&sight.view.dynamic, &mut self.sums);
+        let span = weights.span(columns, sight.legal);
+        if span.len() < weights.stride() {
+            self.sums.fill(0.0);
+        }
+        let sums = &mut self.sums[span.clone()];
+        sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight, &span));
+        weights.add_span(&sight.view.dynamic, span.start, sums);
         &self.sums
     }
 
@@ -382,10 +414,10 @@ impl LinearMemory {
         sight: &Sight<'_, Features>,
     ) -> &'m [f32] {
         match columns {
-            Columns::Actions => &self.sum(weights, sight)[..actions],
+            Columns::Actions => &self.sum(columns, weights, sight)[..actions],
             columns => {
                 let mut counts = std::mem::take(&mut self.votes);
-                votes(columns, actions, self.sum(weights, sight), sight.legal, &mut counts);
+                votes(columns, actions, self.sum(columns, weights, sight), sight.legal, &mut counts);
                 self.votes = counts;
                 &self.votes
             }
@@ -413,7 +445,7 @@ impl LinearMemory {
         let (place, known) = self.near.place(key);
         if !known {
             let sums = self.near.write(place, key, stride);
-            sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight));
+            sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight, &(0..stride)));
             weights.add_to(near, sums);
             self.decided[place] = decide(sight.legal, &sums[..actions]);
         }

@@ -6,7 +6,7 @@ use crate::common::{
 use proptest::collection::vec;
 use proptest::prelude::*;
 use rollin::learner::{Examples, Learner, Logistic, Online, Perceptron, Setting, Target};
-use rollin::policy::{Classifier, Greedy, Ladder, Mixture, Policy, Reading};
+use rollin::policy::{Classifier, Columns, Greedy, Ladder, Linear, Mixture, Policy, Reading, Weights};
 use rollin::roll::perform;
 use rollin::space::{Action, Actions, Episode, FeatureTable, Features, Problem, Sight, Space};
 use rollin::tasks::tagging::TaggingProblem;
@@ -274,6 +274,36 @@ proptest! {
                 let sight = Sight { shared: &table, view: &view, legal };
                 prop_assert_eq!(fitted.choose(&sight, &mut memory), legal.best(fitted.scores(&sight, &mut Default::default())));
             }
+        }
+    }
+
+    /// Where few actions are legal, only their columns are summed up: to the same bits, whatever was remembered of the same row for others.
+    #[test]
+    fn what_is_not_legal_need_not_be_summed(
+        weights in vec(vec(-3f32..3.0, 60), 12),
+        sights in vec((0u32..3, vec(4u32..12, 0..6), 0usize..60, 1usize..60, any::<bool>()), 1..40),
+    ) {
+        let table = FeatureTable::from_rows(12, vec![0, 2, 3, 4], vec![0, 1, 2, 3]);
+        let setting = Setting { shared: &table, actions: 60 };
+        let mut linear = Linear { actions: 60, columns: Columns::Actions, weights: Weights::new(12, 60) };
+        weights.iter().zip(0..).for_each(|(row, feature)| linear.weights.row_mut(feature)[..60].copy_from_slice(row));
+        let learner = Logistic::default();
+        let (mut course, mut memory) = (learner.begin(setting, Some(&linear)), Default::default());
+        for (row, dynamic, first, count, sparse) in sights {
+            let among = first..(first + count).min(60);
+            let list: Vec<Action> = among.filter(|a| !sparse || a % 3 == first % 3).map(|a| Action(a as u32)).collect();
+            let legal = Actions::Only(&list);
+            let view = Features { row, dynamic, near: 0, key: 0 };
+            let sight = Sight { shared: &table, view: &view, legal };
+            let features = || table.row(row).iter().chain(&view.dynamic);
+            let sum = |a: &Action| features().fold(0.0, |sum, f| sum + weights[*f as usize][a.index()]);
+            let expected: Vec<f32> = list.iter().map(sum).collect();
+            let scores = linear.scores(&sight, &mut memory);
+            let found: Vec<f32> = list.iter().map(|a| scores[a.index()]).collect();
+            prop_assert_eq!(found, expected);
+            // What learning decides by is the same.
+            let best = course.choose(&sight, &mut Default::default());
+            prop_assert_eq!(learner.learn(&mut course, &sight, Some(Target::Label(list[0]))), best);
         }
     }
 
