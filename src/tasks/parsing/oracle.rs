@@ -11,7 +11,7 @@ use crate::space::{Action, CostToGo, Expert, Space};
 /// than the answer's. Arcs can be reached together whenever each can be reached (arc decomposability), so that a move costs what it makes unreachable.
 /// Of equals the left arc is taken, then the right one.
 ///
-/// Arc-standard, with swap or without: the static oracle of Nivre (2009) on the tree that is still possible: a word whose right head is attached already belongs to
+/// Arc-standard, with swap or without: the static oracle of Nivre (2009), as late with swaps as that of Nivre, Kuhlmann & Hall (2009), on the tree that is still possible: a word whose right head is attached already belongs to
 /// the nearest ancestor that is not. Exact as long as no words have been swapped that stood in the right order, and nothing has been
 /// shifted onto two words that had to be swapped or joined; after such a mistake, which cannot be undone, it is the best effort of one
 /// that looks no further than the top two words.
@@ -163,7 +163,10 @@ impl Gold<'_> {
             return Move::Right;
         }
         let order = |w: u32| self.space.trees.order[(state.first + w) as usize];
-        if below < top && order(below) > order(top) {
+        // What belongs to the part that the top is in is joined to it first: then that goes past the word below as one.
+        let part = |w: u32| self.space.trees.parts[(self.state.first + w) as usize];
+        let front = state.buffered(0);
+        if below < top && order(below) > order(top) && (front == NONE || part(front) != part(top)) {
             return Move::Swap;
         }
         if !state.drained() {

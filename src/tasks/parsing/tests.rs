@@ -5,7 +5,7 @@ use super::tree::{projective, projectivise};
 use super::*;
 use crate::read::conllu;
 use crate::seed::Seed;
-use crate::space::{CostToGo, Episode, Expert, Space};
+use crate::space::{Action, CostToGo, Episode, Expert, Space};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -171,21 +171,40 @@ fn the_swap_oracle_is_optimal_where_there_is_no_disorder() {
     }
 }
 
+/// What the expert does from the start of sentence `index`, and what that costs.
+fn experts_way(space: &Parsing, index: usize) -> (Vec<Action>, f64) {
+    let mut state = space.start(Episode { index, seed: Seed::new(0) });
+    let (mut actions, mut cost) = (Vec::new(), 0.0);
+    while !state.finished() {
+        let answer = GoldTree.action(space, &state).expect("the trees are known");
+        assert!(space.legal(&state).contains(answer));
+        cost += space.step(&mut state, answer, Seed::new(0));
+        actions.push(answer);
+    }
+    (actions, cost)
+}
+
 /// From the start the static oracle without swaps makes every projective tree too.
 #[test]
 fn the_arc_standard_oracle_makes_all_projective_trees() {
     let trees: Vec<_> = (1..=5).flat_map(trees).filter(|heads| projective(heads)).collect();
     let space = space(&trees, System::ArcStandard, 2);
     for index in 0..trees.len() {
-        let mut state = space.start(Episode { index, seed: Seed::new(0) });
-        let (mut cost, mut steps) = (0.0, 0);
-        while !state.finished() {
-            let answer = GoldTree.action(&space, &state).expect("the trees are known");
-            assert!(space.legal(&state).contains(answer));
-            cost += space.step(&mut state, answer, Seed::new(0));
-            steps += 1;
-        }
-        assert_eq!((cost, Some(steps)), (0.0, space.horizon(index)));
+        let (actions, cost) = experts_way(&space, index);
+        assert_eq!((cost, Some(actions.len())), (0.0, space.horizon(index)));
+    }
+}
+
+/// With swaps it makes every tree, and swaps no two words of one part.
+#[test]
+fn the_swap_oracle_makes_all_trees() {
+    let trees: Vec<_> = (1..=6).flat_map(trees).collect();
+    let space = space(&trees, System::ArcStandardSwap, 2);
+    let swap = Action(Move::Swap as u32);
+    for (index, heads) in trees.iter().enumerate() {
+        let (actions, cost) = experts_way(&space, index);
+        assert_eq!(cost, 0.0, "{heads:?}");
+        assert_eq!(actions.contains(&swap), !projective(heads), "{heads:?}");
     }
 }
 

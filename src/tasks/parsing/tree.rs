@@ -11,6 +11,9 @@ pub(super) struct Trees {
     pub labels: Vec<u32>,
     /// Where each word stands when every subtree is one run of words: the inorder walk of Nivre (2009).
     pub order: Vec<u32>,
+    /// Which part of the tree each word is in, of those that can be made without a swap and no larger: by the word that the others of it are below
+    /// (the maximal projective components of Nivre, Kuhlmann & Hall 2009).
+    pub parts: Vec<u32>,
     /// The dependents of word w are `dependents[starts[w]..starts[w+1]]`, ascending.
     starts: Vec<u32>,
     dependents: Vec<u32>,
@@ -30,6 +33,7 @@ impl Trees {
         let base = self.dependents.len() as u32;
         let (starts, dependents, root) = dependents(heads);
         self.order.extend(inorder(&starts, &dependents, root));
+        self.parts.extend(parts(heads, &starts));
         self.starts.extend(starts[1..].iter().map(|start| start + base));
         // The root is nobody's dependent: one number keeps the arrays of all sentences as long as their words.
         self.dependents.extend(dependents.into_iter().chain([NONE]));
@@ -94,6 +98,37 @@ fn inorder(starts: &[u32], list: &[u32], root: u32) -> Vec<u32> {
         }
     }
     order
+}
+
+/// The part that each word is in: what arcs between the two words on top of a stack join, when no words are swapped.
+fn parts(heads: &[u32], starts: &[u32]) -> Vec<u32> {
+    let mut open: Vec<u32> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let (mut stack, mut above): (Vec<u32>, Vec<u32>) = (Vec::new(), (0..heads.len() as u32).collect());
+    for word in 0..heads.len() as u32 {
+        stack.push(word);
+        while let [.., below, top] = stack[..] {
+            let (head, dependent) = match (heads[below as usize] == top, heads[top as usize] == below) {
+                (true, _) if open[below as usize] == 0 => (top, below),
+                (_, true) if open[top as usize] == 0 => (below, top),
+                _ => break,
+            };
+            stack.truncate(stack.len() - 2);
+            stack.push(head);
+            above[dependent as usize] = head;
+            open[head as usize] -= 1;
+        }
+    }
+    // Whoever was joined was joined to a word that may have been joined itself.
+    let highest = |mut word: u32| {
+        while above[word as usize] != word {
+            let next = above[word as usize];
+            // The next one who comes this way has half as far.
+            above[word as usize] = above[next as usize];
+            word = next;
+        }
+        word
+    };
+    (0..heads.len() as u32).map(highest).collect()
 }
 
 /// Lifts arcs until the tree is projective (Nivre & Nilsson 2005): the shortest arc that spans a word not below its head, the leftmost
