@@ -1,11 +1,10 @@
 //! Roll-in, deviation, roll-out: where training examples come from, and what a finished policy does.
 
-use crate::error::{Error, Result};
 use crate::learner::{Examples, Target};
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, CostToGo, Episode, Gather, Problem, Space, StateOf, ViewOf};
-use crate::worker::{Ledger, Memo, Visit, all, sweep};
+use crate::worker::{Ledger, Memo, Visit, Worker, all, sweep};
 use std::cmp::Ordering;
 
 /// What a round of roll-ins brought.
@@ -212,39 +211,46 @@ pub(crate) fn record_costs<P: Problem>(
     visit.record(|sight| examples.push(sight.view, sight.legal, Target::Costs(shifted)));
 }
 
-/// A step of an episode of `length` steps, each with the same chance.
-pub(crate) fn drawn_step(episode: Episode, length: usize) -> usize {
-    (episode.seed.child(Purpose::Deviation, 0).unit() * length as f64) as usize
+/// A step of `episode` as `policy` runs it, each with the same chance. Where the space does not tell how many there are, they are counted in a run of
+/// their own, which is the one that follows, to the bit.
+fn drawn_step<P: Problem, D: Policy<P>>(
+    problem: &P,
+    worker: &mut Worker<'_, P>,
+    policy: &D,
+    memory: &mut D::Memory,
+    episode: Episode,
+) -> usize {
+    let length = problem.space().horizon(episode.index).unwrap_or_else(|| {
+        let mut steps = 0;
+        worker.episode(episode, |visit| {
+            steps += 1;
+            Some(policy.act(visit, memory))
+        });
+        steps
+    });
+    step_of(episode, length)
 }
 
-/// The lengths of all episodes, for those who must know them beforehand; `who` is blamed if the space does not tell.
-fn lengths<P: Problem>(problem: &P, who: &'static str) -> Result<Vec<usize>> {
-    let length = |index| problem.space().horizon(index);
-    (0..problem.episodes()).map(length).collect::<Option<_>>().ok_or_else(|| {
-        Error::argument(who, "drawing steps", "another trainer: this space does not know its horizons beforehand")
-    })
+/// A step of an episode of `length` steps, each with the same chance.
+pub(crate) fn step_of(episode: Episode, length: usize) -> usize {
+    (episode.seed.child(Purpose::Deviation, 0).unit() * length as f64) as usize
 }
 
 /// Rolls in with `policy` to a step drawn at random, finds there what each legal action would cost, and abandons the episode: one
 /// example an episode.
-///
-/// # Errors
-/// When the space does not know its horizons; `who` is the name that is blamed.
 pub fn costs_once<P: Problem, D: Policy<P>, C: Costing<P, D>>(
     problem: &P,
     policy: &D,
     costing: &C,
-    who: &'static str,
     seed: Seed,
-) -> Result<(Examples<ViewOf<P>>, Ledger)> {
+) -> (Examples<ViewOf<P>>, Ledger) {
     type Scratch<M, N> = (M, N, Vec<f64>, Vec<f32>);
-    let lengths = lengths(problem, who)?;
-    Ok(sweep(
+    sweep(
         problem,
         &all(problem),
         seed,
         |worker, (memory, memo, costs, shifted): &mut Scratch<D::Memory, C::Memo>, episode, examples| {
-            let at = drawn_step(episode, lengths[episode.index]);
+            let at = drawn_step(problem, worker, policy, memory, episode);
             worker.episode(episode, |visit| {
                 if visit.t() < at {
                     return Some(policy.act(visit, memory));
@@ -254,30 +260,25 @@ pub fn costs_once<P: Problem, D: Policy<P>, C: Costing<P, D>>(
                 None
             });
         },
-    ))
+    )
 }
 
 /// Rolls in with `policy`, takes any legal action at one step drawn at random, and leaves the rest to `after`: one example an
 /// episode, and nothing is ever put back. The action's cost is what followed, times the number of actions it was drawn from; that of the
 /// others, of which nothing is known, is 0. Its expectation is the cost of each action.
-///
-/// # Errors
-/// When the space does not know its horizons; `who` is the name that is blamed.
 pub fn deviations<P: Problem, D: Policy<P>, E: Policy<P>>(
     problem: &P,
     policy: &D,
     after: &E,
-    who: &'static str,
     seed: Seed,
-) -> Result<(Round<P>, Ledger)> {
+) -> (Round<P>, Ledger) {
     type Scratch<M, N> = (M, N, Vec<f32>);
-    let lengths = lengths(problem, who)?;
-    Ok(sweep(
+    sweep(
         problem,
         &all(problem),
         seed,
         |worker, (memory, rest, costs): &mut Scratch<D::Memory, E::Memory>, episode, round: &mut Round<P>| {
-            let at = drawn_step(episode, lengths[episode.index]);
+            let at = drawn_step(problem, worker, policy, memory, episode);
             let mut tried = None;
             let total = worker.episode(episode, |visit| match visit.t().cmp(&at) {
                 Ordering::Less => Some(policy.act(visit, memory)),
@@ -297,7 +298,7 @@ pub fn deviations<P: Problem, D: Policy<P>, E: Policy<P>>(
             }
             round.cost += total;
         },
-    ))
+    )
 }
 
 /// Rolls in with `policy` and finds at every state what each legal action would cost.

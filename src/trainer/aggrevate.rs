@@ -53,7 +53,7 @@ impl Aggrevate {
     /// Trains on `problem` with `learner`, from one deviation an episode.
     ///
     /// # Errors
-    /// When there are no rounds, the schedule has a number out of its range, the problem has no episodes, or they have no known horizons.
+    /// When there are no rounds, the schedule has a number out of its range, or the problem has no episodes.
     pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
         problem: &P,
@@ -61,7 +61,7 @@ impl Aggrevate {
         run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         // Execute pi_i up to t-1, some action at t, the expert from t+1 to T.
-        self.rounds(problem, learner, run, |policy, seed| roll::deviations(problem, policy, &Follow, "aggrevate", seed))
+        self.rounds(problem, learner, run, |policy, seed| roll::deviations(problem, policy, &Follow, seed))
     }
 
     /// Trains on `problem` with `learner`, from the costs of all actions at all steps, found by `costing`.
@@ -76,7 +76,7 @@ impl Aggrevate {
         run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         let episodes = all(problem);
-        self.rounds(problem, learner, run, |policy, seed| Ok(roll::costs(problem, policy, costing, &episodes, seed)))
+        self.rounds(problem, learner, run, |policy, seed| roll::costs(problem, policy, costing, &episodes, seed))
     }
 
     fn rounds<P: Problem, L: Learner<ViewOf<P>>>(
@@ -84,7 +84,7 @@ impl Aggrevate {
         problem: &P,
         learner: &L,
         run: &Run<'_, impl Keeper<ViewOf<P>, Aggregate<ViewOf<P>, L::Classifier>>>,
-        collect: impl Fn(&Mixture<&L::Classifier>, Seed) -> Result<(Round<P>, Ledger)>,
+        collect: impl Fn(&Mixture<&L::Classifier>, Seed) -> (Round<P>, Ledger),
     ) -> Result<Trained<Greedy<L::Classifier>>> {
         check_rounds(self.rounds)?;
         self.schedule.check()?;
@@ -93,7 +93,7 @@ impl Aggrevate {
         while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
             // pi_i = beta_i pi* + (1-beta_i) pihat_i
-            let round = book.bill(collect(&data.policy(self.schedule.share(i)), seed)?);
+            let round = book.bill(collect(&data.policy(self.schedule.share(i)), seed));
             data.examples.absorb(round.examples); // D <- D u D_i
             let warm = data.learned.as_ref().filter(|_| self.warm);
             let seed = seed.child(Purpose::Learner, 0);

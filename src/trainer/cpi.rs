@@ -6,7 +6,7 @@ use crate::learner::{Learner, Setting};
 use crate::policy::{Classifier, Mixture, Policy};
 use crate::roll::{self, Costing, RollOut};
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Problem, Space, StateOf, ViewOf};
+use crate::space::{Action, Problem, StateOf, ViewOf};
 use crate::worker::{Ledger, Visit, all, sweep};
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +56,7 @@ pub struct Cpi {
 pub enum Rate {
     /// This, in (0, 1].
     Fixed(f64),
-    /// b* = -3 A_1 / (2 (T^2-1)), at most 1, where T is the longest horizon and A_1 by how much an episode costs more when the classifier takes one
+    /// b* = -3 A_1 / (2 (T^2-1)), at most 1, where T is the longest episode's length and A_1 by how much an episode costs more when the classifier takes one
     /// uniformly drawn step of it: the step that makes the bound b T A_1 + b^2 T(T^2-1)/3 on the change of the total cost least, for
     /// costs of a step in [0, 1] ([`safe_step`](crate::theory::bounds::safe_step)). A_1 is measured on fresh episodes, each run twice
     /// under the same randomness. Nothing is taken, and training ends, where A_1 is not below 0.
@@ -73,7 +73,7 @@ impl Cpi {
     /// Trains on `problem` with `learner`, rolling out with the current mixture.
     ///
     /// # Errors
-    /// When the rate is outside (0, 1], there are no rounds or roll-outs, the problem has no episodes, or they have no known horizons.
+    /// When the rate is outside (0, 1], there are no rounds or roll-outs, or the problem has no episodes.
     pub fn train<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
         problem: &P,
@@ -92,7 +92,7 @@ impl Cpi {
     /// Trains with another way of finding costs. `samples` is not used.
     ///
     /// # Errors
-    /// When the rate is outside (0, 1], there are no rounds, the problem has no episodes, or they have no known horizons.
+    /// When the rate is outside (0, 1], there are no rounds, or the problem has no episodes.
     pub fn train_by<P: Problem, L: Learner<ViewOf<P>>>(
         &self,
         problem: &P,
@@ -112,14 +112,14 @@ impl Cpi {
         {
             let (policy, ends) = &mut state;
             let seed = run.seed.child(Purpose::Round, i as u64);
-            let examples = book.bill(roll::costs_once(problem, policy, costing, "cpi", seed)?);
+            let examples = book.bill(roll::costs_once(problem, policy, costing, seed));
             let warm = policy.members().last().map(|(_, classifier)| classifier).filter(|_| self.warm);
             let chosen = learner.fit(Setting::of(problem), &examples, warm, seed.child(Purpose::Learner, 0));
             let (step, cost) = match self.rate {
                 Rate::Fixed(rate) => (rate, f64::NAN),
                 Rate::Advantage => {
-                    let (disadvantage, cost) = book.bill(disadvantage(problem, policy, &chosen, seed));
-                    (safe_step(problem, disadvantage / problem.episodes() as f64), cost)
+                    let Advantage { with, without, longest } = book.bill(advantage(problem, policy, &chosen, seed));
+                    (safe_step((with - without) / problem.episodes() as f64, longest), without)
                 }
             };
             *ends = step <= 0.0;
@@ -135,8 +135,8 @@ impl Cpi {
 }
 
 /// b*, or 0 where nothing is gained.
-fn safe_step<P: Problem>(problem: &P, disadvantage: f64) -> f64 {
-    let longest = (0..problem.episodes()).filter_map(|index| problem.space().horizon(index)).max().unwrap_or(1) as f64;
+fn safe_step(disadvantage: f64, longest: usize) -> f64 {
+    let longest = longest as f64;
     match disadvantage < 0.0 {
         true if longest > 1.0 => (-1.5 * disadvantage / (longest * longest - 1.0)).min(1.0),
         true => 1.0,
@@ -144,52 +144,60 @@ fn safe_step<P: Problem>(problem: &P, disadvantage: f64) -> f64 {
     }
 }
 
-/// What the episodes cost more in sum when `chosen` takes one step of each, uniformly drawn, than when `policy` takes them all, and what
-/// they cost then.
-fn disadvantage<P: Problem, C: Classifier<ViewOf<P>>>(
+/// What the episodes cost in sum.
+struct Advantage {
+    /// When the classifier takes one step of each, uniformly drawn.
+    with: f64,
+    /// When the policy takes them all.
+    without: f64,
+    /// The longest episode has so many steps then.
+    longest: usize,
+}
+
+/// What it brings when `chosen` takes one step of each episode.
+fn advantage<P: Problem, C: Classifier<ViewOf<P>>>(
     problem: &P,
     policy: &Mixture<C>,
     chosen: &C,
     seed: Seed,
-) -> ((f64, f64), Ledger) {
+) -> (Advantage, Ledger) {
     let seed = seed.child(Purpose::Evaluation, 0);
-    let run = |deviates: bool| {
-        let (costs, bill) = sweep(problem, &all(problem), seed, |worker, scratch, episode, costs: &mut Vec<f64>| {
+    let run = |lengths: Option<&[usize]>| {
+        sweep(problem, &all(problem), seed, |worker, scratch, episode, done: &mut Vec<(f64, usize)>| {
             let (memory, own): &mut (<Mixture<C> as Policy<P>>::Memory, C::Memory) = scratch;
-            let length = problem.space().horizon(episode.index).unwrap_or(1);
-            let at = deviates.then(|| roll::drawn_step(episode, length));
-            costs.push(worker.episode(episode, |visit: &mut Visit<'_, P>| {
+            let at = lengths.map(|lengths| roll::step_of(episode, lengths[episode.index]));
+            let mut steps = 0;
+            let cost = worker.episode(episode, |visit: &mut Visit<'_, P>| {
+                steps += 1;
                 let action: Action = match at == Some(visit.t()) {
                     true => chosen.choose(&visit.sight(), own),
                     false => policy.act(visit, memory),
                 };
                 Some(action)
-            }));
-        });
-        (costs.into_iter().sum::<f64>(), bill)
+            });
+            done.push((cost, steps));
+        })
     };
-    let ((with, with_bill), (without, bill)) = (run(true), run(false));
-    ((with - without, without), with_bill + bill)
+    let sum = |done: &[(f64, usize)]| done.iter().map(|(cost, _)| cost).sum::<f64>();
+    let (without, bill) = run(None);
+    let lengths: Vec<usize> = without.iter().map(|(_, steps)| *steps).collect();
+    let (with, with_bill) = run(Some(&lengths));
+    let longest = lengths.into_iter().max().unwrap_or(1);
+    (Advantage { with: sum(&with), without: sum(&without), longest }, with_bill + bill)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tasks::tagging::doc;
     use crate::theory::bounds;
 
     /// The step is the one whose improvement theory proves.
     #[test]
     fn the_step_is_theorys() {
-        let problem = doc::problem().expect("a corpus");
-        // Its longest sentence has five words.
         for disadvantage in [-1e-9, -0.2, -1.0, -15.9, -16.1, -100.0] {
             let (step, _) = bounds::safe_step(disadvantage, 5).expect("a gain");
-            assert_eq!(safe_step(&problem, disadvantage), step);
+            assert_eq!(safe_step(disadvantage, 5), step);
         }
-        assert_eq!(
-            (safe_step(&problem, 0.0), safe_step(&problem, 0.1), safe_step(&problem, f64::NAN)),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((safe_step(0.0, 5), safe_step(0.1, 5), safe_step(f64::NAN, 5)), (0.0, 0.0, 0.0));
     }
 }

@@ -6,9 +6,11 @@ use rollin::learner::{Csoaa, Learner, Perceptron, Setting, Target};
 use rollin::policy::{Follow, Greedy, Linear, Mixture, Policy};
 use rollin::roll::{self, Mixed, RollOut, Shortcut, perform};
 use rollin::space::experts::{Noisy, Partly, Person, Suboptimal};
-use rollin::space::{Action, Episode, Expert, Imitation, Problem, Space, Stacked};
+use rollin::space::{Action, Actions, Episode, Expert, FeatureTable, Features, Imitation, Problem, Space, Stacked};
 use rollin::tasks::tagging::{Gold, Tagging, TaggingProblem};
-use rollin::trainer::{Beam, Cpi, Dagger, EarlyUpdate, Lols, Rate, Run, Schedule, Searn, Smile, Stacking, Supervised};
+use rollin::trainer::{
+    Aggrevate, Beam, Cpi, Dagger, EarlyUpdate, Lols, Rate, Run, Schedule, Searn, Smile, Stacking, Supervised,
+};
 use rollin::worker::{Worker, all};
 use rollin::{Purpose, Seed};
 
@@ -292,6 +294,61 @@ fn answers(expert: impl Expert<Tagging>, seed: Seed) -> (Vec<Option<Action>>, [f
     }
     let n = all.len() as f64;
     (all, counts.map(|count| count / n))
+}
+
+/// A space that does not tell how long its episodes are.
+struct Secretive(Tagging);
+
+impl Space for Secretive {
+    type State = <Tagging as Space>::State;
+    type View = Features;
+    fn start(&self, episode: Episode) -> Self::State {
+        self.0.start(episode)
+    }
+    fn legal<'a>(&'a self, state: &'a Self::State) -> Actions<'a> {
+        self.0.legal(state)
+    }
+    fn look(&self, state: &Self::State, view: &mut Features) {
+        self.0.look(state, view);
+    }
+    fn step(&self, state: &mut Self::State, action: Action, seed: Seed) -> f64 {
+        self.0.step(state, action, seed)
+    }
+    fn actions(&self) -> usize {
+        self.0.actions()
+    }
+    fn shared(&self) -> &FeatureTable {
+        self.0.shared()
+    }
+}
+
+impl Expert<Secretive> for Gold {
+    fn action(&self, space: &Secretive, state: &<Tagging as Space>::State) -> Option<Action> {
+        self.action(&space.0, state)
+    }
+}
+
+/// Who draws a step of each episode draws the same one where steps must be counted first: the same is learned, for more steps.
+#[test]
+fn steps_that_are_counted_first_are_the_same() {
+    let known = problem(&sample(Labels::Spans(2), 40));
+    let unknown = Imitation { space: Secretive(known.space.clone()), expert: Gold, episodes: known.episodes };
+    let (learner, run) = (Csoaa::default(), Run::new(5));
+    for rate in [Rate::Fixed(0.4), Rate::Advantage] {
+        let cpi = Cpi { rate, rounds: 3, ..Cpi::default() };
+        let (plain, counted) =
+            (cpi.train(&known, &learner, &run).unwrap(), cpi.train(&unknown, &learner, &run).unwrap());
+        assert!(
+            plain.policy.members() == counted.policy.members() && plain.rounds.len() == counted.rounds.len(),
+            "{rate:?}"
+        );
+        assert_eq!((plain.ledger.examples, plain.ledger.rollouts), (counted.ledger.examples, counted.ledger.rollouts));
+        assert!(plain.ledger.steps < counted.ledger.steps);
+    }
+    let aggrevate = Aggrevate { rounds: 3, ..Aggrevate::default() };
+    let plain = aggrevate.train(&known, &learner, &run).unwrap();
+    let counted = aggrevate.train(&unknown, &learner, &run).unwrap();
+    assert!(plain.policy.0 == counted.policy.0 && plain.ledger.steps < counted.ledger.steps);
 }
 
 /// About 2,600 independent draws each: six standard deviations are below 0.06.
