@@ -119,6 +119,9 @@ impl Mistakes {
     }
 }
 
+/// As many right words are told before and behind a mistake.
+const AROUND: usize = 2;
+
 impl Sentence {
     /// The words of sentence `i`, without answers.
     fn of<T: Task>(task: &T, data: &T::Data, i: usize, wrong: usize) -> Self {
@@ -129,13 +132,41 @@ impl Sentence {
         Sentence { place, wrong, words: words.into_iter().map(word).collect() }
     }
 
-    /// Right and given answers side by side.
+    /// Right and given answers side by side, without what is further from any mistake than [`AROUND`].
     fn table(&self) -> Table {
         let mut table = Table::new(["word", "right", "given", ""]);
-        for word in &self.words {
-            let mark = if word.right == word.given { "" } else { "wrong" };
-            table.row([&word.word, &word.right, &word.given, mark].map(str::to_owned));
+        let wrong = |word: &Word| word.right != word.given;
+        let mut left_out = false;
+        for (i, word) in self.words.iter().enumerate() {
+            let around = i.saturating_sub(AROUND)..(i + AROUND + 1).min(self.words.len());
+            let told = self.words[around].iter().any(wrong);
+            if told {
+                let mark = if wrong(word) { "wrong" } else { "" };
+                table.row([&word.word, &word.right, &word.given, mark].map(str::to_owned));
+            } else if !left_out {
+                table.row(["...", "", "", ""]);
+            }
+            left_out = !told;
         }
         table
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_far_from_mistakes_is_left_out() {
+        let word = |i: usize| Word {
+            line: i,
+            word: i.to_string(),
+            right: "A".to_owned(),
+            given: if i == 5 || i == 15 { "B" } else { "A" }.to_owned(),
+        };
+        let sentence = Sentence { place: "here:1".to_owned(), wrong: 2, words: (0..18).map(word).collect() };
+        let first = |row: &Vec<String>| row[0].clone();
+        let told: Vec<String> = sentence.table().rows()[1..].iter().map(first).collect();
+        assert_eq!(told.join(" "), "... 3 4 5 6 7 ... 13 14 15 16 17");
     }
 }

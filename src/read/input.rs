@@ -13,7 +13,7 @@
 //! let mut packer = flate2::write::GzEncoder::new(file, Default::default());
 //! packer.write_all(b"cat NN\n").and_then(|()| packer.finish()).expect("the disk takes it");
 //!
-//! assert_eq!(rollin::corpus::Corpus::read(&path)?.word(0, 1), "NN");
+//! assert_eq!(rollin::corpus::Corpus::read(&path)?.word(1, 0), "NN");
 //! # Ok::<(), rollin::Error>(())
 //! ```
 

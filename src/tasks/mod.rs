@@ -45,8 +45,8 @@ use std::path::Path;
 
 /// What turns the text of a task into a space and the actions of a policy into text: learned from a corpus, kept in model files.
 ///
-/// It is there to be used, not to be implemented elsewhere: what only the program and model files need of it is hidden, and may change. A space of
-/// one's own needs none of it ([`guide::spaces`](crate::guide::spaces)).
+/// It is there to be used rather than to be implemented: what only the program and model files need of it is hidden, and may change with any version. A
+/// space of one's own needs none of it ([`guide::spaces`](crate::guide::spaces)).
 pub trait Task: Sized + Send + Sync {
     /// The task's name, in model files and on the command line.
     const NAME: &'static str;

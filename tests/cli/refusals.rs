@@ -379,6 +379,7 @@ fn a_model_in_place_stays_when_training_fails() {
     assert!(folder.get("m") == before);
 }
 
+/// Who closes a pipe early (`| head`) has what they wanted, and is told of no error.
 #[test]
 fn nobody_reads_the_output() {
     let folder = Folder::new();
@@ -402,9 +403,8 @@ fn nobody_reads_the_output() {
             .stderr(Stdio::piped())
             .output()
             .expect("the program runs");
-        assert_eq!(output.status.code(), Some(2), "{line}");
         let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(message, "error: cannot write <stdout>: Broken pipe (os error 32)\n", "{line}");
+        assert_eq!((output.status.code(), &message[..]), (Some(141), ""), "{line}");
     }
 }
 
