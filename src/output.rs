@@ -14,6 +14,7 @@ use tempfile::NamedTempFile;
 ///
 /// # Errors
 /// When the system refuses, a directory stands at `path`, or `path` is `-`: standard output takes what a command has to say.
+#[cfg(feature = "cli")]
 pub fn check_writable(path: &Path) -> Result<()> {
     if path == Path::new("-") {
         let problem = "a file is to be written, and standard output has the report";

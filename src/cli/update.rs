@@ -14,7 +14,7 @@ use crate::trainer::{Dagger, Run};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Go on training a model with more data, by DAgger online: a tagger, whose labels stay as they are and whose features become more.
+/// Go on training a model with more data, by DAgger online: a tagger or a parser, whose labels stay as they are and whose features become more.
 ///
 /// It learns from the new data alone, starting from the model's weights. What only the old data say is forgotten by and by: give some of them, too, if that is to stay. The
 /// model that comes of it is not calibrated.

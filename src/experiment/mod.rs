@@ -20,6 +20,7 @@ pub use claims::{Claim, claims};
 pub use driver::Driver;
 pub(crate) use driver::Stored;
 pub use games::{Platforming, Racing, Scale};
+#[cfg(feature = "cli")]
 pub(crate) use lab::Tick;
 pub use lab::{Findings, Lab, Learnt, Point};
 pub(crate) use measure::Spread;

@@ -25,9 +25,12 @@ mod update;
 pub(crate) use crate::output::Arrays;
 pub use classifiers::AnyClassifier;
 pub(crate) use confidence::Done;
-pub(crate) use explain::{Names, Reason, Share};
+#[cfg(feature = "cli")]
+pub(crate) use explain::Share;
+pub(crate) use explain::{Names, Reason};
 pub(crate) use file::opened;
 pub use file::sealed;
+#[cfg(feature = "cli")]
 pub(crate) use file::{MOST_UNITS, Parts, task_of};
 pub use learners::AnyLearner;
 pub use model::{About, Learned, Model};
@@ -98,7 +101,7 @@ pub trait Task: Sized + Send + Sync {
     #[doc(hidden)]
     fn extend(&self, data: &Self::Data) -> Result<(Self, ProblemOf<Self>, Vec<u32>)> {
         let _ = data;
-        Err(Error::argument("task", Self::NAME, "tagging: the others' models do not go on learning"))
+        Err(Error::argument("task", Self::NAME, "tagging or parsing: the others' models do not go on learning"))
     }
 
     /// Trains policies for `problem` by `train`, which knows trainer and learner: one, unless the task needs more.

@@ -33,6 +33,38 @@ fn more_data_make_a_better_tagger() {
     );
 }
 
+/// Sentences of a determiner, a noun and a verb, the words numbered from `first` on.
+fn trees(first: usize, count: usize, subject: &str) -> String {
+    let sentence = |i: usize| {
+        let the = format!("1\tthe{}\t_\tDET\t_\t_\t2\tdet\t_\t_\n", i % 3);
+        let noun = format!("2\tn{i}\t_\tNOUN\t_\t_\t3\t{subject}\t_\t_\n");
+        the + &noun + &format!("3\tv{}\t_\tVERB\t_\t_\t0\troot\t_\t_\n\n", i % 7)
+    };
+    (first..first + count).map(sentence).collect()
+}
+
+#[test]
+fn more_data_make_a_better_parser() {
+    let folder = Folder::new();
+    folder.put("first.conllu", trees(0, 20, "nsubj") + &trees(100, 2, "obj"));
+    folder.put("more.conllu", trees(50, 20, "obj"));
+    folder.put("odd.conllu", trees(0, 1, "nsubj:pass"));
+    folder.run("train --task parsing --data first.conllu --model m --cutoff 1");
+    let las = |model: &str| {
+        folder.json(&format!("evaluate --model {model} --data more.conllu --json"))["all"]["las"]
+            .as_f64()
+            .expect("a share")
+    };
+    folder.run("update --model m --data more.conllu --output n");
+    assert!(las("n") > las("m"), "{} after {}", las("n"), las("m"));
+    let count = |model: &str| folder.json(&format!("inspect {model} --json"))["features"].as_u64().expect("a count");
+    assert!(count("n") > count("m"));
+    assert_eq!(
+        folder.refused("update --model m --data odd.conllu --output x"),
+        "error: odd.conllu:2:19: relation nsubj:pass; expected one of the model's: det nsubj obj root\n"
+    );
+}
+
 #[test]
 fn refusals() {
     let folder = Folder::new();
@@ -56,7 +88,7 @@ fn refusals() {
         ("--model drawn --data t.txt", "model is not one classifier of a learner"),
         ("--model early --data t.txt", "model is not one classifier of a learner"),
         ("--model ahead --data t.txt", "model is not one classifier of a learner"),
-        ("--model spans --data chunks.txt", "task is segmenting, but must be tagging"),
+        ("--model spans --data chunks.txt", "task is segmenting, but must be tagging or parsing"),
         ("--model m --data t.txt --rounds 0", "rounds is 0, but must be at least 1"),
         ("--model m --data none.txt", "cannot read none.txt"),
         ("--model - --data t.txt", "--model is -, but must be a file"),

@@ -61,6 +61,23 @@ impl Slots {
         numbers.truncate(end);
     }
 
+    /// Those in use here or in `other`, and for each the number that it has here, or `u32::MAX`.
+    fn with(&self, other: &Self) -> (Self, Vec<u32>) {
+        let both: Box<[u64]> = self.bits.iter().zip(&other.bits).map(|(a, b)| a | b).collect();
+        let (mut moved, mut next) = (Vec::new(), 0);
+        for (all, own) in both.iter().zip(&self.bits) {
+            let mut rest = *all;
+            while rest != 0 {
+                let lowest = rest & rest.wrapping_neg();
+                let is_own = own & lowest != 0;
+                moved.push(if is_own { next } else { u32::MAX });
+                next += u32::from(is_own);
+                rest ^= lowest;
+            }
+        }
+        (Slots::of(both), moved)
+    }
+
     /// Of those in use only the ones whose numbers are `kept`, ascending.
     pub fn keep(&self, kept: &[u32]) -> Self {
         let mut bits = self.bits.clone();
@@ -117,13 +134,7 @@ impl Encoding {
     /// # Errors
     /// When a sentence has no tree, or there are too many labels.
     pub fn learn(bank: &Treebank, settings: &Settings) -> Result<(Encoding, Parsing)> {
-        if let Some(w) = bank.first_unknown() {
-            return Err(Error::data(
-                bank.head_place(w),
-                "no head",
-                "a treebank to learn from: HEAD and DEPREL in every line",
-            ));
-        }
+        check_heads(bank)?;
         let mut labels: Vec<String> = (0..bank.words()).map(|w| bank.relation(w).to_owned()).collect();
         labels.sort_unstable();
         labels.dedup();
@@ -136,20 +147,35 @@ impl Encoding {
             return Err(Error::data(bank.relation_place(w), problem, expected));
         }
         let mut sides = vec![0; labels.len()];
-        let mut trees = Trees::default();
-        for i in 0..bank.sentences() {
-            let (heads, numbers) = tree(bank, i, &labels, settings.system);
-            for (w, label) in numbers.iter().enumerate() {
-                sides[*label as usize] |= 1 << side(&heads, w) as u8;
-            }
-            trees.push(&heads, &numbers);
-        }
+        let trees = trees(bank, &labels, settings.system, &mut sides);
         let none = Slots::of(vec![0; Slots::WORDS].into());
         let mut encoding = Encoding::of(settings.system, labels, sides, none);
         let mut space = Parsing { trees, ..encoding.apply(bank)? };
         encoding.slots = Arc::new(seen(&space, settings.cutoff.max(1)));
         space = Parsing { trees: std::mem::take(&mut space.trees), ..encoding.apply(bank)? };
         Ok((encoding, space))
+    }
+
+    /// What [`Encoding::learn`] gives of another treebank with these labels, for those who go on learning: features of `bank` that are not known here come
+    /// in beside the others, and so do the sides on which a label stands. For each feature there is then the number that it has here, or `u32::MAX` if it is new.
+    ///
+    /// # Errors
+    /// With the exact place, when a sentence has no tree or a relation is none of these labels.
+    pub fn extend(&self, bank: &Treebank) -> Result<(Encoding, Parsing, Vec<u32>)> {
+        check_heads(bank)?;
+        let known = |w: &usize| self.labels.binary_search_by(|label| label.as_str().cmp(bank.relation(*w))).is_ok();
+        if let Some(w) = (0..bank.words()).find(|w| !known(w)) {
+            let expected = format!("one of the model's: {}", self.labels.join(" "));
+            return Err(Error::data(bank.relation_place(w), format!("relation {}", bank.relation(w)), expected));
+        }
+        let mut sides = self.sides.clone();
+        let trees = trees(bank, &self.labels, self.system, &mut sides);
+        let mut encoding = Encoding::of(self.system, self.labels.clone(), sides, (*self.slots).clone());
+        let mut space = Parsing { trees, ..encoding.apply(bank)? };
+        let (slots, moved) = self.slots.with(&seen(&space, 1));
+        encoding.slots = Arc::new(slots);
+        space = Parsing { trees: std::mem::take(&mut space.trees), ..encoding.apply(bank)? };
+        Ok((encoding, space, moved))
     }
 
     pub(super) fn of(system: System, labels: Vec<String>, sides: Vec<u8>, slots: Slots) -> Self {
@@ -199,6 +225,27 @@ impl Encoding {
     pub fn actions(&self) -> usize {
         MOVES as usize + self.labels.len()
     }
+}
+
+/// Refuses a treebank in which a head is missing.
+fn check_heads(bank: &Treebank) -> Result<()> {
+    bank.first_unknown().map_or(Ok(()), |w| {
+        let expected = "a treebank to learn from: HEAD and DEPREL in every line";
+        Err(Error::data(bank.head_place(w), "no head", expected))
+    })
+}
+
+/// All right trees; the sides on which a label stands are added to `sides`.
+fn trees(bank: &Treebank, labels: &[String], system: System, sides: &mut [u8]) -> Trees {
+    let mut trees = Trees::default();
+    for i in 0..bank.sentences() {
+        let (heads, numbers) = tree(bank, i, labels, system);
+        for (w, label) in numbers.iter().enumerate() {
+            sides[*label as usize] |= 1 << side(&heads, w) as u8;
+        }
+        trees.push(&heads, &numbers);
+    }
+    trees
 }
 
 /// Heads and labels of sentence `i`, in the numbers of a space.

@@ -52,6 +52,11 @@ impl Task for Encoding {
         Ok((encoding, space.problem()))
     }
 
+    fn extend(&self, bank: &Treebank) -> Result<(Self, Imitation<Parsing, GoldTree>, Vec<u32>)> {
+        let (encoding, space, moved) = Encoding::extend(self, bank)?;
+        Ok((encoding, space.problem(), moved))
+    }
+
     fn apply(&self, bank: &Treebank) -> Result<Parsing> {
         Encoding::apply(self, bank)
     }

@@ -3,9 +3,13 @@
 use super::state::{NONE, ROOT};
 use super::tree::{projective, projectivise};
 use super::*;
+use crate::learner::Logistic;
+use crate::policy::{Greedy, Linear};
 use crate::read::conllu;
+use crate::roll::perform;
 use crate::seed::Seed;
-use crate::space::{Action, CostToGo, Episode, Expert, Space};
+use crate::space::{Action, CostToGo, Episode, Expert, Imitation, Silent, Space};
+use crate::trainer::{Dagger, Run};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -45,8 +49,8 @@ fn crossing_free(heads: &[u32]) -> bool {
     arcs.iter().all(|(a, b)| arcs.iter().all(|(c, d)| !(a < c && c < b && b < d)))
 }
 
-/// The trees as a space of `system`; word w has the label w modulo `labels`.
-fn space(trees: &[Vec<u32>], system: System, labels: usize) -> Parsing {
+/// The trees as text that was read; word w has the label w modulo `labels`.
+fn bank(trees: &[Vec<u32>], labels: usize) -> conllu::Treebank {
     let mut text = String::new();
     for heads in trees {
         for (w, head) in heads.iter().enumerate() {
@@ -55,8 +59,12 @@ fn space(trees: &[Vec<u32>], system: System, labels: usize) -> Parsing {
         }
         text.push('\n');
     }
-    let bank = conllu::parse(text.as_bytes(), "trees".as_ref(), 1).expect("trees");
-    Encoding::learn(&bank, &Settings { system, cutoff: 1 }).expect("a treebank").1
+    conllu::parse(text.as_bytes(), "trees".as_ref(), 1).expect("trees")
+}
+
+/// The trees as a space of `system`.
+fn space(trees: &[Vec<u32>], system: System, labels: usize) -> Parsing {
+    Encoding::learn(&bank(trees, labels), &Settings { system, cutoff: 1 }).expect("a treebank").1
 }
 
 /// Finds the lowest cost from every configuration that can be reached, by trying everything.
@@ -261,4 +269,27 @@ fn what_is_absent_costs_nothing() {
         steps += 1;
     }
     assert_eq!(Some(steps), space.horizon(4));
+}
+
+/// Whatever the numbers are, what was learned does the same in any sentence.
+#[test]
+fn new_features_change_nothing_by_themselves() {
+    let (first, more) = (bank(&trees(3), 2), bank(&trees(4), 2));
+    let settings = Settings { system: System::ArcStandardSwap, cutoff: 1 };
+    let (encoding, space) = Encoding::learn(&first, &settings).expect("a treebank");
+    let trained = Dagger::default().train_online(&space.problem(), &Logistic::default(), &Run::new(1));
+    let Greedy(before) = trained.expect("settings in range").policy;
+    let (extended, space, moved) = encoding.extend(&more).expect("the same labels");
+    assert!(extended.features() > encoding.features() && moved.len() == extended.features());
+    assert_eq!(space.sentences(), more.sentences());
+    let after = Linear { weights: before.weights.clone().renumber(&moved), ..before.clone() };
+    for bank in [&first, &more] {
+        let done = |encoding: &Encoding, linear: &Linear| {
+            let space = encoding.apply(bank).expect("few words");
+            perform(&Imitation { episodes: space.sentences(), space, expert: Silent }, &Greedy(linear), Seed::new(1))
+                .0
+                .actions
+        };
+        assert!(done(&encoding, &before) == done(&extended, &after));
+    }
 }
