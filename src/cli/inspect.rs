@@ -1,7 +1,7 @@
 //! `rollin inspect`
 
 use super::options::no_such_setting;
-use super::report::spoken;
+use super::report::spoken_json;
 use super::tasks::{read_model, with_task};
 use super::terminal::{headed, heading, names};
 use super::train::to_json;
@@ -208,18 +208,13 @@ fn kind(policy: &Learned) -> (&'static str, String) {
     }
 }
 
-/// Settings that a model file has as JSON.
-fn told(settings: &str) -> String {
-    serde_json::from_str::<serde_json::Value>(settings).map_or_else(|_| settings.to_owned(), |value| spoken(&value))
-}
-
 /// What a line says: how it came to be, and what the task has to tell.
 fn facts<T: Task>(model: &Model<T>, policy: String, own: Vec<Fact>) -> String {
     let about = &model.about;
     let facts = [
         ("policy", policy),
-        ("trainer", told(&about.trainer)),
-        ("learner", told(&about.learner)),
+        ("trainer", spoken_json(&about.trainer)),
+        ("learner", spoken_json(&about.learner)),
         ("seed", about.seed.to_string()),
         ("trained on", about.data.clone()),
         (T::UNITS.episodes, grouped(about.sentences as f64)),

@@ -43,6 +43,11 @@ pub(super) fn spoken(settings: &impl serde::Serialize) -> String {
     serde_json::to_value(settings).as_ref().map_or_else(|_| String::new(), say)
 }
 
+/// The same for settings that a model file has as JSON.
+pub(super) fn spoken_json(settings: &str) -> String {
+    serde_json::from_str::<Value>(settings).map_or_else(|_| settings.to_owned(), |value| spoken(&value))
+}
+
 /// What was read, by what it is for.
 #[derive(Default)]
 pub struct Sources<'a> {

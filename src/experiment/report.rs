@@ -79,7 +79,8 @@ fn curves(findings: &Findings, along: &dyn Fn(&str, usize) -> f64) -> Vec<Series
     let curve = |name: &str| {
         let dot = |round: usize| {
             let measured = findings.main(name, round)?;
-            let interval = measured.half.is_finite().then(|| [measured.low(), measured.high()]);
+            // Neither falls nor metres are ever fewer than none.
+            let interval = measured.half.is_finite().then(|| [measured.low().max(0.0), measured.high()]);
             Some(Dot { x: along(name, round), y: measured.mean, interval, name: format!("round {round}") })
         };
         Series::Line(name.to_owned(), findings.rounds(name).into_iter().filter_map(dot).collect())

@@ -1,5 +1,6 @@
 //! A model of any task, as a server knows it.
 
+use crate::cli::report::spoken_json;
 use crate::cli::tag::{self, Form};
 use crate::cli::tasks::{read_model, with_task};
 use crate::error::{Error, Place, Result};
@@ -69,8 +70,8 @@ impl Served {
                 "model": path,
                 "task": T::NAME,
                 "features": model.encoding.features(),
-                "trainer": model.about.trainer,
-                "learner": model.about.learner,
+                "trainer": spoken_json(&model.about.trainer),
+                "learner": spoken_json(&model.about.learner),
                 "trained_on": model.about.data,
                 "calibrated": calibrated,
                 "explains": explains,
