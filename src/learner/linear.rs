@@ -182,6 +182,20 @@ fn adaptive(rate: f32, l2: f32, when: f32, g: Block, now: (Block, Block, Block))
     (w, u, s)
 }
 
+/// A course of `rule` from the weights of `warm`, which are not measured: for passes over examples, in which nothing is decided.
+fn start<R: Rule>(rule: &R, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Course {
+    let columns = rule.columns();
+    let mut weights = Weights::new(setting.shared.features(), columns.count(setting.actions));
+    if let Some(warm) = warm {
+        for feature in 0..warm.weights.features() as u32 {
+            if let Some(row) = warm.weights.row(feature) {
+                weights.row_mut(feature)[..row.len()].copy_from_slice(row);
+            }
+        }
+    }
+    Course::of(setting.actions, columns, weights)
+}
+
 /// The weights as they are now, not their average.
 impl Classifier<Features> for Course {
     type Memory = LinearMemory;
@@ -206,8 +220,7 @@ impl<R: Rule> Learner<Features> for R {
         warm: Option<&Linear>,
         seed: Seed,
     ) -> Linear {
-        let mut course = self.begin(setting, warm);
-        course.weights.unmeasure();
+        let mut course = start(self, setting, warm);
         let mut order: Vec<u32> = (0..examples.len() as u32).collect();
         let mut rng = seed.rng();
         for _ in 0..self.passes() {
@@ -230,18 +243,9 @@ impl<R: Rule> Online<Features> for R {
     type Course = Course;
 
     fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Course {
-        let columns = self.columns();
-        let count = columns.count(setting.actions);
-        let mut weights = Weights::new(setting.shared.features(), count);
-        if let Some(warm) = warm {
-            for feature in 0..warm.weights.features() as u32 {
-                if let Some(row) = warm.weights.row(feature) {
-                    weights.row_mut(feature)[..row.len()].copy_from_slice(row);
-                }
-            }
-        }
-        weights.measure();
-        Course::of(setting.actions, columns, weights)
+        let mut course = start(self, setting, warm);
+        course.weights.measure();
+        course
     }
 
     #[inline]

@@ -64,6 +64,8 @@ impl PartialEq for Weights {
 
 /// What rounding can add, at most, to a sum of up to [`MOST_ADDED`] numbers for each unit of what is added.
 const ROUNDING: f32 = 1e-4;
+/// Rows of as many columns are summed up whole.
+const WIDEST: usize = 1 << 19;
 /// More features than this are not weighed against a margin.
 const MOST_ADDED: usize = 400;
 
@@ -143,11 +145,6 @@ impl Weights {
         self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
     }
 
-    /// Measures no more, for as long as nothing is decided by these weights.
-    pub(crate) fn unmeasure(&mut self) {
-        self.reach = Vec::new();
-    }
-
     /// Measures the row at `place` again, if the weights are measured.
     #[inline]
     pub(crate) fn measure_row(&mut self, place: usize) {
@@ -209,7 +206,8 @@ impl Weights {
         let Actions::Only([first, ..]) = legal else { return 0..self.stride };
         let last = legal.nth(legal.len() - 1);
         let span = first.index() / 8 * 8..(last.index() + 1).next_multiple_of(8).min(self.stride);
-        if columns == Columns::Actions && 2 * span.len() <= self.stride { span } else { 0..self.stride }
+        let narrow = columns == Columns::Actions && 2 * span.len() <= self.stride && self.stride < WIDEST;
+        if narrow { span } else { 0..self.stride }
     }
 
     /// Adds the part of these features' rows that begins at column `from` to `scores`, in the order given.
@@ -380,6 +378,7 @@ impl LinearMemory {
         sight: &Sight<'_, Features>,
         span: &Range<usize>,
     ) -> &'m [f32] {
+        // Both ends in blocks, sixteen bits each: where the start is not 0, no row is wider.
         let key = (sight.view.row, (span.start as u32) << 13 | (span.end / 8) as u32);
         let (place, known) = fixed.place(key);
         if !known {

@@ -25,8 +25,7 @@
 
 mod task;
 
-pub use task::Labeller;
-pub use task::{Encoding, Score, Visit};
+pub use task::{Encoding, Labeller, Score, Visit};
 
 use crate::error::{Error, Result};
 use crate::seed::Seed;

@@ -44,6 +44,5 @@ pub(crate) use network::check_features;
 pub use network::{Network, Road, Site};
 pub use plan::Plan;
 pub use space::{At, Cheapest, Eyes, Navigation, Place};
-pub use task::Traveller;
-pub use task::{Atlas, Guide, Journeys};
+pub use task::{Atlas, Guide, Journeys, Traveller};
 pub use world::{Legend, Trip, World};

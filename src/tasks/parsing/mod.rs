@@ -33,8 +33,7 @@ mod state;
 mod task;
 mod tree;
 
-pub use encoding::MOST_LABELS;
-pub use encoding::{Encoding, Settings};
+pub use encoding::{Encoding, MOST_LABELS, Settings};
 pub use oracle::GoldTree;
 pub use score::{Attachment, Counts};
 pub use space::Parsing;

@@ -11,10 +11,10 @@ use crate::space::{Action, CostToGo, Expert, Space};
 /// than the answer's. Arcs can be reached together whenever each can be reached (arc decomposability), so that a move costs what it makes unreachable.
 /// Of equals the left arc is taken, then the right one.
 ///
-/// Arc-standard, with swap or without: the static oracle of Nivre (2009), as late with swaps as that of Nivre, Kuhlmann & Hall (2009), on the tree that is still possible: a word whose right head is attached already belongs to
-/// the nearest ancestor that is not. Exact as long as no words have been swapped that stood in the right order, and nothing has been
-/// shifted onto two words that had to be swapped or joined; after such a mistake, which cannot be undone, it is the best effort of one
-/// that looks no further than the top two words.
+/// Arc-standard, with swap or without: the static oracle of Nivre (2009), as late with swaps as that of Nivre, Kuhlmann & Hall (2009), on the tree that is
+/// still possible: a word whose right head is attached already belongs to the nearest ancestor that is not. It makes every tree from the start, and is exact
+/// as long as no words have been swapped that stood in the right order, and nothing has been shifted onto two words that had to be swapped or joined;
+/// elsewhere, but on its own way, it is the best effort of one that looks no further than the top two words and the front of the buffer.
 ///
 /// Labels: the right one where it is legal on this side, else the lowest legal one; a word on a wrong head is given its right label too,
 /// though nothing depends on it any more.

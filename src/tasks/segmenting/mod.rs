@@ -40,5 +40,4 @@ mod space;
 mod task;
 
 pub use space::{Divider, Segment, Segmenting};
-pub use task::MOST_LENGTH;
-pub use task::{Segmenter, Settings, Spans, default_template};
+pub use task::{MOST_LENGTH, Segmenter, Settings, Spans, default_template};

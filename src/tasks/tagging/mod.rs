@@ -13,8 +13,7 @@ mod tagger;
 mod task;
 mod transitions;
 
-pub use encoding::MOST_LABELS;
-pub use encoding::{Dictionary, Encoding, LabelColumn};
+pub use encoding::{Dictionary, Encoding, LabelColumn, MOST_LABELS};
 pub use repair::{Mended, illegal, repair};
 pub use space::{Gold, HistoryLine, MAX_ORDER, Position, Tagging};
 pub use tagger::Tagger;
