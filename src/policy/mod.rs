@@ -10,11 +10,12 @@ mod outputs;
 mod rows;
 mod tree;
 mod value;
+mod weights;
 
 pub use calibrated::Calibrated;
 pub use ladder::Ladder;
 pub(crate) use linear::LinearMemory;
-pub use linear::{Columns, Linear, Weights};
+pub use linear::{Columns, Linear};
 pub(crate) use linear::{best, tournament};
 pub(crate) use mixture::MixtureMemory;
 pub use mixture::{Member, Mixture, Reading};
@@ -27,6 +28,7 @@ pub(crate) use tree::Node;
 pub use tree::Tree;
 pub use value::Valued;
 pub(crate) use value::value_of;
+pub use weights::Weights;
 
 use crate::space::{Action, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;

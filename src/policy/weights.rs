@@ -1,0 +1,232 @@
+//! The weights of linear classifiers: a row a feature.
+
+use super::Columns;
+use crate::space::Actions;
+use std::ops::Range;
+
+/// Rows of weights, one for each feature that has any, each contiguous over the columns and padded to eight.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    columns: usize,
+    stride: usize,
+    /// The row of a feature; 0 when it has none.
+    pub(super) index: Vec<u32>,
+    /// Row r, column c at r * stride + c. Row 0 is all zero.
+    rows: Vec<f32>,
+    /// How far each row can move one column against another, at most; infinite where it was not measured, empty where none was.
+    pub(super) reach: Vec<f32>,
+    /// How often a row was handed out to be changed.
+    pub(super) version: u64,
+}
+
+/// Equal weights: whether they were measured, and how they came about, does not count.
+impl PartialEq for Weights {
+    fn eq(&self, other: &Self) -> bool {
+        self.columns == other.columns && self.index == other.index && self.rows == other.rows
+    }
+}
+
+/// What rounding can add, at most, to a sum of up to [`MOST_ADDED`] numbers for each unit of what is added.
+pub(super) const ROUNDING: f32 = 1e-4;
+/// Rows of as many columns are summed up whole.
+const WIDEST: usize = 1 << 19;
+/// More features than this are not weighed against a margin.
+pub(super) const MOST_ADDED: usize = 400;
+
+/// How far `row` can move one column against another: the range of its weights and zero, and what rounding makes of it. Not a number where a
+/// weight is none.
+fn reach(row: &[f32]) -> f32 {
+    let (mut low, mut high, mut odd) = ([0f32; 8], [0f32; 8], [0f32; 8]);
+    for part in row.as_chunks::<8>().0 {
+        for c in 0..8 {
+            low[c] = if part[c] < low[c] { part[c] } else { low[c] };
+            high[c] = if part[c] > high[c] { part[c] } else { high[c] };
+            odd[c] += part[c] * 0.0;
+        }
+    }
+    let range = high.into_iter().fold(0.0, f32::max) - low.into_iter().fold(0.0, f32::min);
+    range * (1.0 + ROUNDING) + odd.into_iter().sum::<f32>()
+}
+
+impl Weights {
+    /// No weights, for `features` features.
+    pub fn new(features: usize, columns: usize) -> Self {
+        let stride = columns.next_multiple_of(8).max(8);
+        Weights { columns, stride, index: vec![0; features], rows: vec![0.0; stride], reach: Vec::new(), version: 0 }
+    }
+
+    /// How many columns a row has, padding left out.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The length of a row, padding included: a multiple of eight.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// How many features there are, with weights or without.
+    pub fn features(&self) -> usize {
+        self.index.len()
+    }
+
+    /// How many features have weights.
+    pub fn len(&self) -> usize {
+        self.rows.len() / self.stride - 1
+    }
+
+    /// Whether no feature has weights.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The weights of `feature` and their padding, if it has any.
+    #[inline]
+    pub fn row(&self, feature: u32) -> Option<&[f32]> {
+        self.place(feature).map(|place| self.at(place))
+    }
+
+    /// The row at `place`.
+    #[inline]
+    pub(crate) fn at(&self, place: usize) -> &[f32] {
+        &self.rows[place * self.stride..(place + 1) * self.stride]
+    }
+
+    /// The weights of `feature` and their padding; zeros are made for it when it has none.
+    #[inline]
+    pub fn row_mut(&mut self, feature: u32) -> &mut [f32] {
+        let place = self.make_place(feature);
+        self.version += 1;
+        if let Some(reach) = self.reach.get_mut(place) {
+            *reach = f32::INFINITY;
+        }
+        &mut self.rows[place * self.stride..(place + 1) * self.stride]
+    }
+
+    /// Measures how far each row can move one column against another: from now on classifiers decide by what they have summed up already where the
+    /// rest cannot change it. Rows that are changed after this count as unmeasured until [`Weights::measure_row`].
+    pub(crate) fn measure(&mut self) {
+        self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
+    }
+
+    /// Measures the row at `place` again, if the weights are measured.
+    #[inline]
+    pub(crate) fn measure_row(&mut self, place: usize) {
+        if let Some(kept) = self.reach.get_mut(place) {
+            *kept = reach(&self.rows[place * self.stride..(place + 1) * self.stride]);
+        }
+    }
+
+    /// Which of the rows is that of `feature`, counted from 1 in the order in which they were made.
+    #[inline]
+    pub(crate) fn place(&self, feature: u32) -> Option<usize> {
+        match self.index[feature as usize] {
+            0 => None,
+            place => Some(place as usize),
+        }
+    }
+
+    /// The same; a row of zeros is made when there is none.
+    #[inline]
+    pub(crate) fn make_place(&mut self, feature: u32) -> usize {
+        if self.index[feature as usize] == 0 {
+            self.add(feature);
+        }
+        self.index[feature as usize] as usize
+    }
+
+    /// Adds a row of zeros for `feature`.
+    #[cold]
+    fn add(&mut self, feature: u32) {
+        self.index[feature as usize] = self.len() as u32 + 1;
+        self.rows.resize(self.rows.len() + self.stride, 0.0);
+        if !self.reach.is_empty() {
+            self.reach.push(0.0);
+        }
+    }
+
+    /// Takes up the room that `rows` more rows will need.
+    pub fn reserve(&mut self, rows: usize) {
+        self.rows.reserve_exact(rows * self.stride);
+    }
+
+    /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more. Where
+    /// `old[i]` is the number of no feature, feature i is new and has no weights.
+    pub fn renumber(mut self, old: &[u32]) -> Self {
+        self.index = old.iter().map(|feature| self.index.get(*feature as usize).copied().unwrap_or(0)).collect();
+        self
+    }
+
+    /// Adds these features' rows to `scores`, in the order given.
+    #[inline]
+    pub fn add_to(&self, features: &[u32], scores: &mut [f32]) {
+        self.add_span(features, 0, scores);
+    }
+
+    /// The columns of the scores of `legal` actions, in whole blocks of eight; all of them, unless half are enough. Only what is needed is fetched
+    /// then: where actions come in kinds that are never legal together, most of a row is not.
+    #[inline]
+    pub(crate) fn span(&self, columns: Columns, legal: Actions<'_>) -> Range<usize> {
+        let Actions::Only([first, ..]) = legal else { return 0..self.stride };
+        let last = legal.nth(legal.len() - 1);
+        let span = first.index() / 8 * 8..(last.index() + 1).next_multiple_of(8).min(self.stride);
+        let narrow = columns == Columns::Actions && 2 * span.len() <= self.stride && self.stride < WIDEST;
+        if narrow { span } else { 0..self.stride }
+    }
+
+    /// Adds the part of these features' rows that begins at column `from` to `scores`, in the order given.
+    #[inline]
+    pub(crate) fn add_span(&self, features: &[u32], from: usize, scores: &mut [f32]) {
+        match scores.len() {
+            8 => self.add_fixed::<8>(features, from, scores),
+            16 => self.add_fixed::<16>(features, from, scores),
+            24 => self.add_fixed::<24>(features, from, scores),
+            32 => self.add_fixed::<32>(features, from, scores),
+            _ => {
+                for &feature in features {
+                    if let Some(row) = self.row(feature) {
+                        scores.iter_mut().zip(&row[from..]).for_each(|(sum, w)| *sum += w);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same with the sums held in registers.
+    #[inline]
+    fn add_fixed<const N: usize>(&self, features: &[u32], from: usize, scores: &mut [f32]) {
+        let Some(scores) = scores.first_chunk_mut::<N>() else { return };
+        let mut sums = *scores;
+        for &feature in features {
+            // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
+            let row = self.index[feature as usize] as usize;
+            if let Some(row) = self.rows[row * self.stride + from..].first_chunk::<N>() {
+                for c in 0..N {
+                    sums[c] += row[c];
+                }
+            }
+        }
+        *scores = sums;
+    }
+
+    /// The rows changed by `change`, which gets the place and the weights of each. Those that come out all zero are left out.
+    pub(crate) fn map_rows(mut self, mut change: impl FnMut(usize, &mut [f32])) -> Weights {
+        let stride = self.stride;
+        self.reach = Vec::new();
+        let mut moved = vec![0; self.len() + 1];
+        let mut kept = 1;
+        for (place, to) in moved.iter_mut().enumerate().skip(1) {
+            let row = place * stride..(place + 1) * stride;
+            change(place, &mut self.rows[row.clone()]);
+            if self.rows[row.clone()].iter().any(|w| *w != 0.0) {
+                self.rows.copy_within(row, kept * stride);
+                *to = kept as u32;
+                kept += 1;
+            }
+        }
+        self.index.iter_mut().for_each(|place| *place = moved[*place as usize]);
+        self.rows.truncate(kept * stride);
+        self.rows.shrink_to_fit();
+        self
+    }
+}
