@@ -80,6 +80,8 @@ fn the_table_of_the_readme_is_made_again() {
     let (made, told) = (String::from_utf8_lossy(&output.stdout), TEXTS[0].1);
     assert_eq!(table(&made).len(), 9, "{made}");
     assert_eq!(table(&made), table(told));
+    let lead = made.lines().next().expect("a line");
+    assert!(told.contains(lead), "{lead}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Reports: what a command found as a page, and its figures as files.
 
-use super::train::same_file;
+use super::train::{same_file, to_json};
 use super::{Global, print};
 use crate::error::{Error, Result};
 use crate::output::{check_writable, write_whole};
@@ -24,6 +24,11 @@ pub struct ReportOptions {
 
 /// Settings as they are read aloud: `logistic (passes 5, rate 0.1)`.
 pub(super) fn spoken(settings: &impl serde::Serialize) -> String {
+    spoken_json(&to_json(settings))
+}
+
+/// The same for settings that a model file has as JSON.
+pub(super) fn spoken_json(settings: &str) -> String {
     fn say(value: &Value) -> String {
         match value {
             Value::Null => "none".to_owned(),
@@ -40,12 +45,7 @@ pub(super) fn spoken(settings: &impl serde::Serialize) -> String {
             other => other.to_string(),
         }
     }
-    serde_json::to_value(settings).as_ref().map_or_else(|_| String::new(), say)
-}
-
-/// The same for settings that a model file has as JSON.
-pub(super) fn spoken_json(settings: &str) -> String {
-    serde_json::from_str::<Value>(settings).map_or_else(|_| settings.to_owned(), |value| spoken(&value))
+    serde_json::from_str(settings).map_or_else(|_| settings.to_owned(), |value| say(&value))
 }
 
 /// What was read, by what it is for.
@@ -152,6 +152,9 @@ pub fn mixture(name: &str, whose: &str, weights: &[Vec<f64>]) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::learner::Logistic;
+    use crate::tasks::{AnyLearner, Trainer};
+    use crate::trainer::EarlyUpdate;
 
     #[test]
     fn sums_and_words() {
@@ -159,5 +162,16 @@ mod tests {
         let sum = "SHA-256 ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad, 3 bytes";
         assert_eq!(sha256(b"abc"), sum);
         assert_eq!(["a.txt", "it's", "", "a b"].map(quoted), ["a.txt", "'it'\\''s'", "''", "'a b'"]);
+    }
+
+    #[test]
+    fn settings_are_read_aloud() {
+        let learner = AnyLearner::Logistic(Logistic::default());
+        assert_eq!(spoken(&learner), "logistic (l2 0.0, outputs actions, passes 5, rate 0.1, tolerance 0.01)");
+        assert_eq!(
+            spoken(&Trainer::EarlyUpdate(EarlyUpdate { width: 8, rounds: 3 })),
+            "early-update (rounds 3, width 8)"
+        );
+        assert_eq!((spoken_json("none"), spoken_json("\"free\"")), ("none".to_owned(), "free".to_owned()));
     }
 }
