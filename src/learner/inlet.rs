@@ -75,9 +75,18 @@ pub struct Sparse {
     batches: Vec<u32>,
     /// The number of the batch at hand, from 1.
     time: u32,
+    /// In which of the examples that are not in the gradient yet each feature is: a bit each.
+    seen: Vec<u64>,
+    /// The slopes of those examples, one after the other.
+    slopes: Vec<f32>,
 }
 
 impl Sparse {
+    /// A layer with what is kept beside its weights; then what it has touched, the last batches of the features, and the number of this one.
+    fn of((layer, beside): (Linear, Vec<f32>), (touched, batches, time): (Vec<u32>, Vec<u32>, u32)) -> Self {
+        Sparse { layer, beside, touched, seen: vec![0; batches.len()], batches, time, slopes: Vec::new() }
+    }
+
     /// The weights of `feature` and what is kept beside them.
     pub(super) fn row(&mut self, feature: u32) -> (&mut [f32], &mut [f32]) {
         let weights = &mut self.layer.weights;
@@ -87,6 +96,50 @@ impl Sparse {
         }
         (weights.row_mut(feature), &mut self.beside[place * width..(place + 1) * width])
     }
+
+    /// Adds what was seen of `feature` to its gradient, so that a row is read and written once and not once an example; gives its weights and
+    /// what is kept beside them.
+    fn sum_up(&mut self, feature: u32) -> (&mut [f32], &mut [f32]) {
+        let seen = std::mem::take(&mut self.seen[feature as usize]);
+        let slopes = std::mem::take(&mut self.slopes);
+        let stride = self.layer.weights.stride();
+        let gradient = self.row(feature).1;
+        match stride {
+            8 => add_rows::<8>(seen, &slopes, gradient),
+            16 => add_rows::<16>(seen, &slopes, gradient),
+            32 => add_rows::<32>(seen, &slopes, gradient),
+            _ => each_bit(seen, |example| {
+                let slopes = &slopes[example * stride..(example + 1) * stride];
+                gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope);
+            }),
+        }
+        self.slopes = slopes;
+        self.row(feature)
+    }
+
+    /// Adds all that was seen to the gradient.
+    pub(super) fn sum_all(&mut self) {
+        for i in 0..self.touched.len() {
+            self.sum_up(self.touched[i]);
+        }
+        self.slopes.clear();
+    }
+}
+
+/// Calls `each` with the number of every bit that is set, in their order.
+fn each_bit(mut bits: u64, mut each: impl FnMut(usize)) {
+    while bits != 0 {
+        each(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}
+
+/// Adds the slopes of the examples in `seen` to a row, held in registers.
+fn add_rows<const N: usize>(seen: u64, slopes: &[f32], row: &mut [f32]) {
+    let Some(row) = row.first_chunk_mut::<N>() else { return };
+    let (mut sums, slopes) = (*row, slopes.as_chunks::<N>().0);
+    each_bit(seen, |example| (0..N).for_each(|c| sums[c] += slopes[example][c]));
+    *row = sums;
 }
 
 /// The features at `sight`, the static ones first.
@@ -98,7 +151,7 @@ impl Inlet<Features> for Sparse {
     fn begin(setting: Setting<'_, Features>, columns: usize, warm: Option<&Linear>) -> Self {
         let features = setting.shared.features();
         let layer = Linear { actions: columns, columns: Columns::Actions, weights: Weights::new(features, columns) };
-        let mut inlet = Sparse { layer, beside: Vec::new(), touched: Vec::new(), batches: vec![0; features], time: 1 };
+        let mut inlet = Sparse::of((layer, Vec::new()), (Vec::new(), vec![0; features], 1));
         if let Some(warm) = warm {
             for feature in 0..warm.weights.features() as u32 {
                 if let Some(row) = warm.weights.row(feature) {
@@ -125,22 +178,31 @@ impl Inlet<Features> for Sparse {
     }
 
     fn learn(&mut self, sight: &Sight<'_, Features>, slopes: &[f32]) {
+        let own = 1 << (self.slopes.len() / slopes.len());
         for feature in features(sight) {
-            let (_, g) = self.row(feature);
-            g.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope);
-            if std::mem::replace(&mut self.batches[feature as usize], self.time) != self.time {
+            let seen = std::mem::replace(&mut self.seen[feature as usize], own);
+            self.seen[feature as usize] |= seen;
+            if seen & own != 0 {
+                // One that stands twice counts twice.
+                self.row(feature).1.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope);
+            } else if seen == 0 && std::mem::replace(&mut self.batches[feature as usize], self.time) != self.time {
                 self.touched.push(feature);
             }
+        }
+        self.slopes.extend_from_slice(slopes);
+        if own == 1 << (u64::BITS - 1) {
+            self.sum_all();
         }
     }
 
     fn step(&mut self, mut change: impl FnMut(&mut [f32], &mut [f32])) {
         let mut touched = std::mem::take(&mut self.touched);
         for feature in touched.drain(..) {
-            let (weights, beside) = self.row(feature);
+            let (weights, beside) = self.sum_up(feature);
             change(weights, beside);
         }
         self.touched = touched;
+        self.slopes.clear();
         self.time += 1;
     }
 
@@ -149,11 +211,13 @@ impl Inlet<Features> for Sparse {
     }
 
     fn put(&self, to: &mut Vec<u8>) {
-        put_weights(&self.layer.weights, to);
-        Kept::<Features>::put(&self.beside, to);
-        Kept::<Features>::put(&self.touched, to);
-        Kept::<Features>::put(&self.batches, to);
-        Kept::<Features>::put(&self.time, to);
+        let mut whole = self.clone();
+        whole.sum_all();
+        put_weights(&whole.layer.weights, to);
+        Kept::<Features>::put(&whole.beside, to);
+        Kept::<Features>::put(&whole.touched, to);
+        Kept::<Features>::put(&whole.batches, to);
+        Kept::<Features>::put(&whole.time, to);
     }
 
     fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>, columns: usize) -> Option<Self> {
@@ -163,7 +227,7 @@ impl Inlet<Features> for Sparse {
         let counted = time <= u32::MAX / 2;
         let possible =
             counted && batches.len() == features && touched.iter().all(|feature| (*feature as usize) < features);
-        possible.then_some(Sparse { layer, beside, touched, batches, time })
+        possible.then(|| Sparse::of((layer, beside), (touched, batches, time)))
     }
 }
 

@@ -170,36 +170,35 @@ impl Net {
         if course.pending == 0 {
             return;
         }
-        let (share, time) = (1.0 / course.pending as f32, course.time);
-        course.inlet.step(|weights, beside| self.change((weights, beside), share, time));
-        self.change((&mut course.dense, &mut course.beside), share, time);
+        let share = 1.0 / course.pending as f32;
+        // Divided by once, multiplied with often.
+        let (first, second) = (1.0 - 0.9f32.powi(course.time), 1.0 - 0.999f32.powi(course.time));
+        let rates = (self.rate / first, 1.0 / second);
+        course.inlet.step(|weights, beside| self.change((weights, beside), share, rates));
+        self.change((&mut course.dense, &mut course.beside), share, rates);
         course.pending = 0;
         course.time = course.time.saturating_add(1);
     }
 
-    /// Changes the weights `w` by what is kept `beside` them; the gradient counts `share` of itself and is zero after.
-    fn change(&self, (w, beside): (&mut [f32], &mut [f32]), share: f32, time: i32) {
+    /// Changes the weights `w` by what is kept `beside` them; the gradient counts `share` of itself and is zero after. For [`Step::Adam`] there are the
+    /// rate and what squares are multiplied with, each for the bias of a mean that began at zero.
+    fn change(&self, (w, beside): (&mut [f32], &mut [f32]), share: f32, (adam, second): (f32, f32)) {
         let width = w.len();
         let (g, rest) = beside.split_at_mut(width);
         let (means, squares) = rest.split_at_mut(width);
         let all = w.iter_mut().zip(g).zip(means).zip(squares);
-        let rate = self.rate;
         match self.step {
             Step::Adagrad => all.for_each(|(((w, g), _), square)| {
                 let slope = share * std::mem::take(g);
                 *square += slope * slope;
-                *w -= rate * slope / (square.sqrt() + 1e-8);
+                *w -= self.rate * slope / (square.sqrt() + 1e-8);
             }),
-            Step::Adam => {
-                // Divided by once, multiplied with often.
-                let (rate, second) = (rate / (1.0 - 0.9f32.powi(time)), 1.0 / (1.0 - 0.999f32.powi(time)));
-                all.for_each(|(((w, g), mean), square)| {
-                    let slope = share * std::mem::take(g);
-                    *mean += 0.1 * (slope - *mean);
-                    *square += 0.001 * (slope * slope - *square);
-                    *w -= rate * *mean / ((*square * second).sqrt() + 1e-8);
-                });
-            }
+            Step::Adam => all.for_each(|(((w, g), mean), square)| {
+                let slope = share * std::mem::take(g);
+                *mean += 0.1 * (slope - *mean);
+                *square += 0.001 * (slope * slope - *square);
+                *w -= adam * *mean / ((*square * second).sqrt() + 1e-8);
+            }),
         }
     }
 }
@@ -376,6 +375,7 @@ mod tests {
                 let setting = Setting::<Features> { shared: &table, actions: 5 };
                 let places = [(0, 0), (0, 2), (2, 1)];
                 let course = check(&net, setting, &sparse, legal, &places, |inlet, (feature, column)| {
+                    inlet.sum_all();
                     let (weights, beside) = inlet.row(feature);
                     (&mut weights[column], beside[column])
                 });
