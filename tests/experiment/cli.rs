@@ -121,6 +121,25 @@ fn from_a_plan_to_a_page() {
     assert!(balance::plan(&["smile"]).validate().is_ok());
 }
 
+/// Asserts that all claims of an experiment that begin like one of `those` came out, and that there is one that begins like each.
+fn came_out(found: &Value, those: &[&str]) {
+    let claims = found["claims"].as_array().expect("claims");
+    for claim in those {
+        let made: Vec<&Value> =
+            claims.iter().filter(|made| made["text"].as_str().is_some_and(|text| text.starts_with(claim))).collect();
+        assert!(!made.is_empty() && made.iter().all(|made| made["holds"] == true), "{claim}: {made:?}");
+    }
+}
+
+/// What comes out on the platform game at either size.
+const REUSE: [&str; 5] = [
+    "DAgger's mean distance is better than SMILe's",
+    "with nets that start from the one before, SMILe's mean distance is better than supervised imitation's",
+    "supervised imitation does better on the three easiest difficulties",
+    "with reuse by",
+    "it is better than SMILe without for as many labels",
+];
+
 /// What a user runs first, whole, by the program that was built for users: `.ci/run` runs both in some minutes and names the folder with their JSON in ROLLIN_QUICK. The
 /// seed is fixed, so that what came out once comes out again; the claims asserted are those that do at this size.
 #[test]
@@ -129,31 +148,27 @@ fn quick_experiments_run_through() {
         eprintln!("skipped: ROLLIN_QUICK is not set");
         return;
     };
-    let come_out = [
-        ("platformer", "DAgger's mean distance is better than SMILe's"),
-        (
-            "platformer",
-            "with nets that start from the one before, SMILe's mean distance is better than supervised imitation's",
-        ),
-        ("platformer", "supervised imitation does better on the three easiest difficulties"),
-        ("platformer", "with reuse by Algorithm 4.3 SMILe is not behind SMILe without"),
-        ("platformer", "it is better than SMILe without for as many labels"),
-        ("platformer", "with reuse by ageing SMILe is not behind SMILe without"),
-        ("kart", "DAgger's falls a lap is better than SMILe's"),
-    ];
-    for game in ["platformer", "kart"] {
+    for (game, claims) in [("platformer", &REUSE[..]), ("kart", &["DAgger's falls a lap is better than SMILe's"])] {
         let path = std::path::Path::new(&folder).join(format!("{game}.json"));
         let text = std::fs::read_to_string(&path).expect("the experiment was run");
         let found: Value = serde_json::from_str(&text).expect("JSON");
         let methods = found["findings"]["plan"]["methods"].as_array().expect("methods").len();
         assert!(found["findings"]["points"].as_array().is_some_and(|points| points.len() > 8 * methods), "{game}");
-        let claims = found["claims"].as_array().expect("claims");
-        for (_, claim) in come_out.iter().filter(|(of, _)| *of == game) {
-            let made: Vec<&Value> = claims
-                .iter()
-                .filter(|made| made["text"].as_str().is_some_and(|text| text.starts_with(claim)))
-                .collect();
-            assert!(!made.is_empty() && made.iter().all(|made| made["holds"] == true), "{game}: {claim}: {made:?}");
-        }
+        came_out(&found, claims);
     }
+}
+
+/// Figure 4 of Ross & Bagnell (2010) with a tenth of its examples, which takes half an hour: `cargo test --release --test experiment -- --ignored figure_4`.
+#[test]
+#[ignore = "takes half an hour"]
+fn figure_4_comes_out() {
+    let folder = TempDir::new().expect("a folder");
+    let methods = "supervised,smile-0.1,smile-warm,smile-4.3,smile-ageing,dagger";
+    let found = good(&folder, &format!("experiment platformer --json -q --methods {methods}"));
+    let found = serde_json::from_str(&found).expect("JSON");
+    came_out(&found, &REUSE);
+    came_out(
+        &found,
+        &["SMILe's mean distance is better than supervised imitation's", "the same on the harder half of the levels"],
+    );
 }
