@@ -34,7 +34,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Svm {
-    /// C: what a margin error costs.
+    /// C: what a margin error costs. It counts for each example: what is learned from the rounds of an aggregate together is regularised less than
+    /// what is learned from one.
     pub cost: f32,
     /// Passes over the examples of a pair at most.
     pub passes: usize,
