@@ -2,7 +2,7 @@
 """Runs rollin and CRFsuite on Spanish named entities and English parts of speech in one sitting, and prints how right they are.
 
     cargo build --release
-    python3 benches/taggers.py --data DIR [--part dev|test] [--only ner,pos] [--seeds 1,2,3]
+    python3 benches/taggers.py --data DIR [--part dev|test] [--only ner,pos] [--seeds 1,2,3] [--skip-peer]
 
 DIR holds conll2002 (esp.train, esp.testa, esp.testb) and ud-english-ewt. CRFsuite comes from PyPI (pip install python-crfsuite); without it
 only rollin runs. Both get the observation features of grammars/words.template: CRFsuite as `rollin convert` writes them out. The second reading of rollin adds
@@ -10,6 +10,7 @@ labels of the first (grammars/words-ahead.template), no features of the words. C
 the start of Python.
 """
 import argparse
+import itertools
 import json
 import os
 import resource
@@ -97,6 +98,14 @@ TASKS = {
 }
 
 
+SETTINGS = ["--rate", "0.06", "--tolerance", "0.05"]
+TRAINERS = {
+    "DAgger online": ["--algorithm", "dagger-online", "--rounds", "8"],
+    "SMILe": ["--algorithm", "smile", "--alpha", "0.2", "--rounds", "7"],
+}
+TEMPLATES = {"one reading": "words", "two readings": "words-ahead"}
+
+
 def run(command, stdin=None, stdout=None):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, stdin=stdin, stdout=stdout or subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -136,7 +145,6 @@ def main():
     parser.add_argument("--part", choices=["dev", "test"], default="test")
     parser.add_argument("--only", default=",".join(TASKS))
     parser.add_argument("--seeds", default="1,2,3")
-    parser.add_argument("--options", default="--rounds 8 --rate 0.06 --tolerance 0.05", help="of `rollin train`")
     parser.add_argument("--skip-peer", action="store_true")
     parser.add_argument("--rollin", default=os.path.join(ROOT, "target", "release", "rollin"))
     options = parser.parse_args()
@@ -161,12 +169,13 @@ def main():
                     out, _ = run([sys.executable, "-c", CRFSUITE, algorithm, crf["train"], crf["test"], os.path.join(folder, "crf")])
                     result = json.loads(out)
                     print(f"| {title} | {result['cpu']:.1f} | {judged(task, paths['test'], result['labels']):.2f} |", flush=True)
-            for title, which in (("rollin", "words"), ("rollin, two readings", "words-ahead")):
+            for (trainer, settings), (readings, which) in itertools.product(TRAINERS.items(), TEMPLATES.items()):
                 for seed in options.seeds.split(","):
+                    title = f"rollin, {trainer}, {readings}, seed {seed}"
                     model = os.path.join(folder, "model")
                     _, cpu = run([options.rollin, "train", "--data", paths["train"], "--template", template(which), "--model", model, "--threads", "1",
-                                  "-q", "--seed", seed, *task.options, *options.options.split()])
-                    print(f"| {title}, seed {seed} | {cpu:.1f} | {measured(options.rollin, task, model, paths['test']):.2f} |", flush=True)
+                                  "-q", "--seed", seed, *task.options, *SETTINGS, *settings])
+                    print(f"| {title} | {cpu:.1f} | {measured(options.rollin, task, model, paths['test']):.2f} |", flush=True)
 
 
 if __name__ == "__main__":
