@@ -391,6 +391,40 @@ mod tests {
         }
     }
 
+    /// A batch's gradient is the sum of its examples', however long the batch and the rows are, and a feature that stands twice counts twice.
+    #[test]
+    fn a_batch_is_the_sum_of_its_examples() {
+        let table = FeatureTable::new(10);
+        let setting = Setting::<Features> { shared: &table, actions: 4 };
+        for units in [4, 12, 30, 40] {
+            let net = Net { units, batch: usize::MAX, ..Net::default() };
+            let learn = |course: &mut NetCourse, i: u32| {
+                let view = Features { dynamic: vec![i % 7, 7 + i % 3, 7 + i % 3], ..Features::default() };
+                let sight = Sight { shared: &table, view: &view, legal: Actions::All(4) };
+                course.dense.iter_mut().enumerate().for_each(|(k, w)| *w = (k as f32).sin());
+                course.score(&sight);
+                assert!(course.backward(&sight, Target::Label(Action(i % 4))));
+            };
+            let gradient = |course: &mut NetCourse, feature| {
+                course.inlet.sum_all();
+                course.inlet.row(feature).1[..units].to_vec()
+            };
+            let mut whole = net.begin(setting, None);
+            (0..150).for_each(|i| learn(&mut whole, i));
+            for feature in 0..10 {
+                let mut sum = vec![0.0; units];
+                for i in (0..150).filter(|i| [i % 7, 7 + i % 3].contains(&feature)) {
+                    let mut alone = net.begin(setting, None);
+                    learn(&mut alone, i);
+                    sum.iter_mut().zip(gradient(&mut alone, feature)).for_each(|(sum, g)| *sum += g);
+                }
+                for (found, expected) in gradient(&mut whole, feature).iter().zip(&sum) {
+                    assert!((found - expected).abs() < 1e-4, "{units} units: {found} for {expected}");
+                }
+            }
+        }
+    }
+
     /// With all numbers legal the loss over actions is the sum of the losses of the bits, each a sigmoid of its own.
     #[test]
     fn bits_are_sigmoids_of_their_own() {
