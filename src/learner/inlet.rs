@@ -97,32 +97,32 @@ impl Sparse {
         (weights.row_mut(feature), &mut self.beside[place * width..(place + 1) * width])
     }
 
-    /// Adds what was seen of `feature` to its gradient, so that a row is read and written once and not once an example; gives its weights and
-    /// what is kept beside them.
-    fn sum_up(&mut self, feature: u32) -> (&mut [f32], &mut [f32]) {
+    /// Adds what was seen of `feature`, with these slopes, to its gradient, so that a row is read and written once and not once an example; gives its
+    /// weights and what is kept beside them.
+    fn sum_up(&mut self, feature: u32, slopes: &[f32]) -> (&mut [f32], &mut [f32]) {
         let seen = std::mem::take(&mut self.seen[feature as usize]);
-        let slopes = std::mem::take(&mut self.slopes);
         let stride = self.layer.weights.stride();
-        let gradient = self.row(feature).1;
+        let (weights, gradient) = self.row(feature);
         match stride {
-            8 => add_rows::<8>(seen, &slopes, gradient),
-            16 => add_rows::<16>(seen, &slopes, gradient),
-            32 => add_rows::<32>(seen, &slopes, gradient),
+            8 => add_rows::<8>(seen, slopes, gradient),
+            16 => add_rows::<16>(seen, slopes, gradient),
+            32 => add_rows::<32>(seen, slopes, gradient),
             _ => each_bit(seen, |example| {
                 let slopes = &slopes[example * stride..(example + 1) * stride];
                 gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope);
             }),
         }
-        self.slopes = slopes;
-        self.row(feature)
+        (weights, gradient)
     }
 
     /// Adds all that was seen to the gradient.
     pub(super) fn sum_all(&mut self) {
+        let mut slopes = std::mem::take(&mut self.slopes);
         for i in 0..self.touched.len() {
-            self.sum_up(self.touched[i]);
+            self.sum_up(self.touched[i], &slopes);
         }
-        self.slopes.clear();
+        slopes.clear();
+        self.slopes = slopes;
     }
 }
 
@@ -180,8 +180,8 @@ impl Inlet<Features> for Sparse {
     fn learn(&mut self, sight: &Sight<'_, Features>, slopes: &[f32]) {
         let own = 1 << (self.slopes.len() / slopes.len());
         for feature in features(sight) {
-            let seen = std::mem::replace(&mut self.seen[feature as usize], own);
-            self.seen[feature as usize] |= seen;
+            let seen = self.seen[feature as usize];
+            self.seen[feature as usize] = seen | own;
             if seen & own != 0 {
                 // One that stands twice counts twice.
                 self.row(feature).1.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope);
@@ -196,13 +196,13 @@ impl Inlet<Features> for Sparse {
     }
 
     fn step(&mut self, mut change: impl FnMut(&mut [f32], &mut [f32])) {
-        let mut touched = std::mem::take(&mut self.touched);
+        let (mut touched, mut slopes) = (std::mem::take(&mut self.touched), std::mem::take(&mut self.slopes));
         for feature in touched.drain(..) {
-            let (weights, beside) = self.sum_up(feature);
+            let (weights, beside) = self.sum_up(feature, &slopes);
             change(weights, beside);
         }
-        self.touched = touched;
-        self.slopes.clear();
+        slopes.clear();
+        (self.touched, self.slopes) = (touched, slopes);
         self.time += 1;
     }
 
