@@ -11,8 +11,8 @@ use rollin::policy::{Classifier, Greedy, Linear, Policy};
 use rollin::read::{conll, template::Template};
 use rollin::roll::{self, Actor, Costing, RollOut};
 use rollin::space::{Action, Episode, Features, Imitation, Sight, Silent, Space};
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, TaggingProblem};
-use rollin::tasks::{About, AnyLearner, Trainer};
+use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, Tagging, TaggingProblem};
+use rollin::tasks::{About, AnyClassifier, AnyLearner, Trainer};
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
 use rollin::worker::{Ledger, Visit, Worker, all};
 use rollin::{Purpose, Seed};
@@ -64,6 +64,15 @@ impl Bench {
     fn tokens(&self) -> Throughput {
         Throughput::Elements(self.corpus.tokens() as u64)
     }
+}
+
+/// A corpus to be tagged.
+type Unlabelled = Imitation<Tagging, Silent>;
+
+fn unlabelled(encoding: &Encoding, corpus: &Corpus) -> Unlabelled {
+    let space = encoding.apply(corpus).expect("features");
+    let episodes = space.sentences();
+    Imitation { space, expert: Silent, episodes }
 }
 
 fn text_of(corpus: &Corpus) -> Vec<u8> {
@@ -118,14 +127,14 @@ fn featurise(c: &mut Criterion, bench: &Bench) {
     group.finish();
 }
 
-/// The rows of weights that the policy adds up on its way, and what it did there.
-fn path(bench: &Bench) -> (Vec<Vec<&[f32]>>, Vec<Action>) {
-    let weights = &bench.policy.0.weights;
-    let (done, _) = roll::perform(&bench.problem, &bench.policy, Seed::new(1));
+/// The rows of weights that `policy` adds up on its way, and what it did there.
+fn path<'p>(problem: &Unlabelled, policy: &'p Greedy<Linear>) -> (Vec<Vec<&'p [f32]>>, Vec<Action>) {
+    let weights = &policy.0.weights;
+    let (done, _) = roll::perform(problem, policy, Seed::new(1));
     let mut rows = Vec::new();
     let mut actions = done.actions.iter();
-    for index in all(&bench.problem) {
-        Worker::new(&bench.problem).episode(Episode { index, seed: Seed::new(1) }, |visit| {
+    for index in all(problem) {
+        Worker::new(problem).episode(Episode { index, seed: Seed::new(1) }, |visit| {
             let sight = visit.sight();
             let all = sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic);
             rows.push(all.filter_map(|feature| weights.row(*feature)).collect());
@@ -135,36 +144,40 @@ fn path(bench: &Bench) -> (Vec<Vec<&[f32]>>, Vec<Action>) {
     (rows, done.actions)
 }
 
-/// Adds up `rows` token by token, with the sums in registers.
-fn gather<const N: usize>(rows: &[Vec<&[f32]>]) -> f32 {
-    let mut total = 0.0;
+/// Adds up `rows` token by token, with the sums in registers. All of what was added is returned, or else most of it would not be done.
+fn gather<const N: usize>(rows: &[Vec<&[f32]>]) -> [f32; N] {
+    let mut totals = [0.0; N];
     for token in rows {
         let mut sums = [0.0; N];
         for row in token.iter().filter_map(|row| row.first_chunk::<N>()) {
             sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
         }
-        total += sums[0];
+        totals.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
     }
-    total
+    totals
 }
 
-/// Tagging's inner loop beside one that only gathers and adds the same rows at the same addresses.
+/// Tagging's inner loop, with the model as it is read from its file, beside one that only gathers and adds the same rows at the same addresses.
 fn score(c: &mut Criterion, bench: &Bench) {
-    let (rows, actions) = path(bench);
-    let gather = || match bench.policy.0.weights.stride() {
-        8 => gather::<8>(&rows),
-        24 => gather::<24>(&rows),
+    let tagger = Tagger::from_bytes(&bench.tagger.to_bytes(), Path::new("model")).expect("a tagger");
+    let problem = unlabelled(&tagger.encoding, &bench.corpus);
+    let [AnyClassifier::Linear(linear)] = tagger.policy.classifiers()[..] else { panic!("one linear classifier") };
+    let policy = Greedy(linear.clone());
+    let (rows, actions) = path(&problem, &policy);
+    let gather = || match policy.0.weights.stride() {
+        8 => _ = black_box(gather::<8>(&rows)),
+        24 => _ = black_box(gather::<24>(&rows)),
         stride => panic!("rows of {stride}: one more arm for them, please"),
     };
-    let roll = || roll::perform(&bench.problem, &bench.policy, Seed::new(1)).0.actions;
+    let roll = || roll::perform(&problem, &policy, Seed::new(1)).0.actions;
     assert_eq!(roll(), actions);
-    assert_eq!(naive_scores(bench), actions);
+    assert_eq!(naive_scores(&problem, &policy), actions);
 
     let mut group = c.benchmark_group("score");
     group.throughput(bench.tokens());
     group.bench_function("gather and add", |b| b.iter(gather));
     group.bench_function("tagging's inner loop", |b| b.iter(roll));
-    group.bench_function("naive", |b| b.iter(|| naive_scores(bench)));
+    group.bench_function("naive", |b| b.iter(|| naive_scores(&problem, &policy)));
     group.finish();
 
     let mut times: Vec<f64> = (0..31)
@@ -174,7 +187,7 @@ fn score(c: &mut Criterion, bench: &Bench) {
                 job();
                 start.elapsed().as_secs_f64()
             };
-            clock(&|| _ = black_box(gather())) / clock(&|| _ = black_box(roll()))
+            clock(&gather) / clock(&|| _ = black_box(roll()))
         })
         .collect();
     times.sort_by(f64::total_cmp);
@@ -182,7 +195,7 @@ fn score(c: &mut Criterion, bench: &Bench) {
 }
 
 /// What the policy does when every score is added up one after the other.
-fn naive_scores(bench: &Bench) -> Vec<Action> {
+fn naive_scores(problem: &Unlabelled, policy: &Greedy<Linear>) -> Vec<Action> {
     struct Naive<'a>(&'a Linear);
     impl Classifier<Features> for Naive<'_> {
         type Memory = Vec<f32>;
@@ -197,7 +210,7 @@ fn naive_scores(bench: &Bench) -> Vec<Action> {
             sums
         }
     }
-    roll::perform(&bench.problem, &Greedy(Naive(&bench.policy.0)), Seed::new(1)).0.actions
+    roll::perform(problem, &Greedy(Naive(&policy.0)), Seed::new(1)).0.actions
 }
 
 /// Roll-outs of every action that remember nothing.
@@ -305,11 +318,7 @@ fn learn(c: &mut Criterion, bench: &Bench) {
 fn tag(c: &mut Criterion, bench: &Bench) {
     let mut group = c.benchmark_group("tag");
     group.throughput(bench.tokens());
-    let encoded = || {
-        let space = bench.encoding.apply(&bench.corpus).expect("features");
-        let episodes = space.sentences();
-        Imitation { space, expert: Silent, episodes }
-    };
+    let encoded = || unlabelled(&bench.encoding, &bench.corpus);
     let expected: Vec<u32> =
         roll::perform(&encoded(), &bench.policy, Seed::new(1)).0.actions.iter().map(|action| action.0).collect();
     let job = || {

@@ -11,6 +11,8 @@ pub struct Weights {
     stride: usize,
     /// The row of a feature; 0 when it has none.
     pub(super) index: Vec<u32>,
+    /// The rows of the features below this are in their order, the first of them at 1: nothing has to be looked up. That is what a model is read as.
+    straight: u32,
     /// Row r, column c at r * stride + c. Row 0 is all zero.
     rows: Vec<f32>,
     /// How far each row can move one column against another, at most; infinite where it was not measured, empty where none was.
@@ -52,7 +54,8 @@ impl Weights {
     /// No weights, for `features` features.
     pub fn new(features: usize, columns: usize) -> Self {
         let stride = columns.next_multiple_of(8).max(8);
-        Weights { columns, stride, index: vec![0; features], rows: vec![0.0; stride], reach: Vec::new(), version: 0 }
+        let (index, rows) = (vec![0; features], vec![0.0; stride]);
+        Weights { columns, stride, index, straight: 0, rows, reach: Vec::new(), version: 0 }
     }
 
     /// How many columns a row has, padding left out.
@@ -138,7 +141,9 @@ impl Weights {
     /// Adds a row of zeros for `feature`.
     #[cold]
     fn add(&mut self, feature: u32) {
-        self.index[feature as usize] = self.len() as u32 + 1;
+        let place = self.len() as u32 + 1;
+        self.index[feature as usize] = place;
+        self.straight += u32::from(feature == self.straight && place == feature + 1);
         self.rows.resize(self.rows.len() + self.stride, 0.0);
         if !self.reach.is_empty() {
             self.reach.push(0.0);
@@ -154,7 +159,13 @@ impl Weights {
     /// `old[i]` is the number of no feature, feature i is new and has no weights.
     pub fn renumber(mut self, old: &[u32]) -> Self {
         self.index = old.iter().map(|feature| self.index.get(*feature as usize).copied().unwrap_or(0)).collect();
+        self.straighten();
         self
+    }
+
+    /// Counts the features whose rows are in their order.
+    fn straighten(&mut self) {
+        self.straight = self.index.iter().zip(1..).take_while(|(place, next)| **place == *next).count() as u32;
     }
 
     /// Adds these features' rows to `scores`, in the order given.
@@ -198,8 +209,11 @@ impl Weights {
         let Some(scores) = scores.first_chunk_mut::<N>() else { return };
         let mut sums = *scores;
         for &feature in features {
-            // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
-            let row = self.index[feature as usize] as usize;
+            let row = match feature < self.straight {
+                true => feature as usize + 1,
+                // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
+                false => self.index[feature as usize] as usize,
+            };
             if let Some(row) = self.rows[row * self.stride + from..].first_chunk::<N>() {
                 for c in 0..N {
                     sums[c] += row[c];
@@ -225,8 +239,52 @@ impl Weights {
             }
         }
         self.index.iter_mut().for_each(|place| *place = moved[*place as usize]);
+        self.straighten();
         self.rows.truncate(kept * stride);
         self.rows.shrink_to_fit();
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// In whatever order rows were made, however features were numbered anew and rows left out: what is added up are the rows.
+        #[test]
+        fn sums_are_those_of_the_rows(
+            in_order in 0..6u32,
+            made in prop::collection::vec(0..12u32, 0..20),
+            old in prop::collection::vec(0..15u32, 0..12),
+            zero in 0..12usize,
+            features in prop::collection::vec(0..12u32, 0..8),
+        ) {
+            let mut weights = Weights::new(12, 3);
+            let check = |weights: &Weights| {
+                let features = features.iter().filter(|f| (**f as usize) < weights.features());
+                let mut expected = vec![0.0; 8];
+                for row in features.clone().filter_map(|f| weights.row(*f)) {
+                    expected.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
+                }
+                let mut sums = vec![0.0; 8];
+                weights.add_to(&features.copied().collect::<Vec<u32>>(), &mut sums);
+                prop_assert_eq!(sums, expected);
+                Ok(())
+            };
+            for feature in (0..in_order).chain(made.iter().copied()) {
+                weights.row_mut(feature)[feature as usize % 3] += 1.0 + feature as f32;
+                check(&weights)?;
+            }
+            // A feature keeps its row, so no two may claim one.
+            let mut old = old;
+            old.sort_unstable();
+            old.dedup();
+            check(&weights.clone().renumber(&old))?;
+            let fewer = weights.map_rows(|place, row| if place == zero { row.fill(0.0) });
+            check(&fewer)?;
+            check(&fewer.renumber(&old))?;
+        }
     }
 }
