@@ -285,7 +285,7 @@ class Table:
         print("| " + " | ".join(f"{c:.2f}" if isinstance(c, float) else str(c) for c in cells) + " |", flush=True)
 
 
-FAST = ["--algorithm", "dagger-online", "--rounds", "3", "--tolerance", "0.3"]
+FAST = ["--algorithm", "dagger-online", "--rounds", "3", "--learner", "hinge"]
 AHEAD = ["--template", os.path.join(ROOT, "grammars", "chunking-ahead.template"), "--rounds", "5", "--rate", "0.06", "--tolerance", "0.05"]
 WIDE = ["--template", os.path.join(ROOT, "grammars", "chunking-wide.template"), "--algorithm", "smile", "--alpha", "0.2", "--rounds", "7",
         "--rate", "0.06", "--tolerance", "0.05"]
@@ -308,11 +308,12 @@ def part_train(sitting):
     peers = {}
     if sitting.has["vowpalwabbit"]:
         peers["Vowpal Wabbit, 3 passes"] = sitting.vw_train("dagger.vwm", "--passes", "3", "--search_rollout", "none", "--search_rollin", "learn")
-    jobs = {"rollin, 3 rounds": sitting.train("fast.model", *FAST),
-            "rollin, 3 rounds, default tolerance": sitting.train("default.model", "--rounds", "3"),
+    jobs = {"rollin, 3 rounds, hinge": sitting.train("fast.model", *FAST),
+            "rollin, 3 rounds, tolerance 0.3": sitting.train("sure.model", "--rounds", "3", "--tolerance", "0.3"),
+            "rollin, 3 rounds, by default": sitting.train("default.model", "--rounds", "3"),
             "rollin, 3 rounds, perceptron": sitting.train("perceptron.model", "--rounds", "3", "--learner", "perceptron")}
     scores = {"Vowpal Wabbit, 3 passes": lambda: sitting.vw_score("dagger.vwm")}
-    for name, model in zip(jobs, ("fast.model", "default.model", "perceptron.model")):
+    for name, model in zip(jobs, ("fast.model", "sure.model", "default.model", "perceptron.model")):
         scores[name] = lambda model=model: 100 * sitting.score(model)
     against(sitting, "Training, DAgger-like", peers, {name: lambda job=job: run(job) for name, job in jobs.items()}, scores, 3)
 
@@ -338,8 +339,8 @@ def part_rollout(sitting):
     if sitting.has["vowpalwabbit"]:
         peers["Vowpal Wabbit, mixed roll-outs, 3 passes"] = sitting.vw_train(
             "lols.vwm", "--passes", "3", "--search_rollout", "mix_per_roll", "--search_rollin", "learn")
-    ours = {"rollin, LOLS online, 3 rounds": ["--algorithm", "lols-online", "--rounds", "3", "--tolerance", "0.2"],
-            "rollin, SEARN, 3 rounds": ["--algorithm", "searn", "--rounds", "3", "--passes", "1", "--warm", "--tolerance", "0.2"]}
+    ours = {"rollin, LOLS online, 3 rounds": ["--algorithm", "lols-online", "--rounds", "3", "--learner", "hinge"],
+            "rollin, SEARN, 3 rounds": ["--algorithm", "searn", "--rounds", "3", "--passes", "1", "--warm", "--learner", "hinge"]}
     scores = {"Vowpal Wabbit, mixed roll-outs, 3 passes": lambda: sitting.vw_score("lols.vwm")}
     jobs = {}
     for name, options in ours.items():

@@ -4,7 +4,7 @@ use super::tasks::Verbs;
 use super::terminal::tell;
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
-use crate::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Net, Perceptron, Svm, Wap};
+use crate::learner::{CrammerSinger, Csoaa, FilterTree, Hinge, Logistic, Net, Perceptron, Svm, Wap};
 use crate::read::input;
 use crate::read::template::Template;
 use crate::tasks::graph::Visit;
@@ -261,6 +261,8 @@ pub enum LearnerName {
     Perceptron,
     /// Logistic regression, AdaGrad (0-1)
     Logistic,
+    /// The multiclass hinge loss, AdaGrad: fast (cost-sensitive)
+    Hinge,
     /// Cost-sensitive one-against-all regression
     Csoaa,
     /// Weighted all pairs (cost-sensitive)
@@ -349,6 +351,11 @@ impl LearnerOptions {
                 let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
                 let tolerance = self.tolerance.unwrap_or(default.tolerance);
                 AnyLearner::Logistic(Logistic { passes, rate, l2, tolerance, ..Logistic::default() })
+            }
+            LearnerName::Hinge => {
+                let default = Hinge::default();
+                let (passes, rate, l2) = given(default.passes, default.rate, default.l2);
+                AnyLearner::Hinge(Hinge { passes, rate, l2 })
             }
             LearnerName::Csoaa => {
                 let default = Csoaa::default();

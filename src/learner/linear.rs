@@ -100,30 +100,32 @@ impl Course {
         self.weights.add_span(dynamic, span.start, scores);
     }
 
-    /// Learns from the example that was scored last: its static features, its dynamic ones, and how many of those are near.
+    /// Learns from the example that was scored last: its static features and its dynamic ones. Returns whether their weights were changed.
     #[inline]
     fn learn<R: Rule>(
         &mut self,
         rule: &R,
-        (fixed, dynamic, near): (&[u32], &[u32], usize),
+        [fixed, dynamic]: [&[u32]; 2],
         legal: Actions<'_>,
         target: Target<'_>,
-    ) {
+    ) -> bool {
         let count = self.weights.columns();
         let lesson = Lesson { actions: self.actions, legal, target };
         self.gradient.fill(0.0);
-        if rule.gradient(lesson, &self.scores[..count], &mut self.gradient[..count]) {
+        let changes = rule.gradient(lesson, &self.scores[..count], &mut self.gradient[..count]);
+        if changes {
             let blocks = self.gradient.as_chunks().0.iter().copied().enumerate();
             self.blocks.clear();
             self.blocks.extend(blocks.filter(|(_, g)| *g != [0.0; BLOCK]));
-            self.change(rule.descent(), fixed, false);
-            self.change(rule.descent(), dynamic, near > 0);
+            self.change(rule.descent(), fixed);
+            self.change(rule.descent(), dynamic);
         }
         self.seen += 1;
+        changes
     }
 
-    /// Changes the weights of `features`. Those of dynamic ones are measured again where some are near: roll-outs will ask for that.
-    fn change(&mut self, descent: Descent, features: &[u32], measure: bool) {
+    /// Changes the weights of `features`.
+    fn change(&mut self, descent: Descent, features: &[u32]) {
         let when = self.seen as f32;
         let blocks = self.weights.stride() / BLOCK;
         let width = blocks * descent.beside();
@@ -149,9 +151,6 @@ impl Course {
                         (w[*block], beside[*block]) = (weight, [u, squares]);
                     }
                 }
-            }
-            if measure {
-                self.weights.measure_row(place);
             }
         }
     }
@@ -230,7 +229,7 @@ impl<R: Rule> Learner<Features> for R {
                 let fixed = setting.shared.row(row);
                 let legal = examples.legal(i as usize);
                 course.score(fixed, dynamic, legal);
-                course.learn(self, (fixed, dynamic, 0), legal, examples.target(i as usize));
+                course.learn(self, [fixed, dynamic], legal, examples.target(i as usize));
             }
         }
         let mut learned = self.finish(course);
@@ -254,7 +253,7 @@ impl<R: Rule> Online<Features> for R {
         course.score(fixed, dynamic, sight.legal);
         let choice = best(course.columns, course.actions, &course.scores, sight.legal, &mut course.votes);
         if let Some(target) = target {
-            course.learn(self, (fixed, dynamic, sight.view.near), sight.legal, target);
+            course.learn(self, [fixed, dynamic], sight.legal, target);
         }
         choice
     }
@@ -264,7 +263,10 @@ impl<R: Rule> Online<Features> for R {
             let (row, dynamic) = examples.views().get(i);
             let fixed = setting.shared.row(row);
             course.score(fixed, dynamic, examples.legal(i));
-            course.learn(self, (fixed, dynamic, dynamic.len()), examples.legal(i), examples.target(i));
+            if course.learn(self, [fixed, dynamic], examples.legal(i), examples.target(i)) {
+                // Who learns from whole episodes rolls out in between, and asks how far dynamic features reach.
+                dynamic.iter().for_each(|feature| course.weights.measure_row(*feature));
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Learners: from examples to classifiers.
 //!
 //! Two kinds: 0-1 learners ([`Perceptron`], [`Logistic`], [`Net`], and [`Ridge`] for actions that are values) learn labels, cost-sensitive
-//! ones ([`Csoaa`], [`Wap`], [`FilterTree`], [`Svm`], [`CrammerSinger`], [`CostTree`]) costs. The two reductions of [`reduce`] let each learn from the
+//! ones ([`Hinge`], [`Csoaa`], [`Wap`], [`FilterTree`], [`Svm`], [`CrammerSinger`], [`CostTree`]) costs. The two reductions of [`reduce`] let each learn from the
 //! other's examples, so every trainer runs with every learner; those that learn example by example ([`Online`]) also while acting.
 //! [`CrossValidated`] finds how often to go over the examples; [`calibrate`] makes probabilities of a classifier's scores.
 //!
@@ -18,6 +18,7 @@ mod crossvalidated;
 mod csoaa;
 mod dual;
 mod examples;
+mod hinge;
 mod inlet;
 mod kept;
 mod linear;
@@ -40,6 +41,7 @@ pub use crossvalidated::CrossValidated;
 pub use csoaa::Csoaa;
 pub use dual::Steps;
 pub use examples::{Examples, Target};
+pub use hinge::Hinge;
 pub use inlet::{Full, Inlet, Sensed, Sparse};
 pub use kept::Kept;
 pub(crate) use kept::MOST_COUNTED;

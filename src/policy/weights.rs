@@ -112,9 +112,10 @@ impl Weights {
         self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
     }
 
-    /// Measures the row at `place` again, if the weights are measured.
+    /// Measures the row of `feature` again, if the weights are measured.
     #[inline]
-    pub(crate) fn measure_row(&mut self, place: usize) {
+    pub(crate) fn measure_row(&mut self, feature: u32) {
+        let place = self.index[feature as usize] as usize;
         if let Some(kept) = self.reach.get_mut(place) {
             *kept = reach(&self.rows[place * self.stride..(place + 1) * self.stride]);
         }

@@ -77,8 +77,14 @@ impl<'a> Actions<'a> {
     /// incomparable score (NaN) never wins against a number.
     #[inline]
     pub fn best(self, scores: &[f32]) -> Action {
+        self.best_by(|a| scores[a.index()])
+    }
+
+    /// The same by what `score` says.
+    #[inline]
+    pub(crate) fn best_by(self, score: impl Fn(Action) -> f32) -> Action {
         // Score and action in one number: which of two is greater needs no branch, and nothing is guessed wrong.
-        let key = |a: u32| (i64::from(ordered(scores[a as usize])) << 32) | i64::from(!a);
+        let key = |a: u32| (i64::from(ordered(score(Action(a)))) << 32) | i64::from(!a);
         let best = match self {
             Actions::All(n) => (0..n).map(key).max(),
             Actions::Only(list) => list.iter().map(|a| key(a.0)).max(),

@@ -3,8 +3,8 @@
 use super::AnyClassifier;
 use super::classifiers::put_kind;
 use crate::learner::{
-    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Kept, Learner, Logistic, Net, NetCourse, Online,
-    Perceptron, Setting, Svm, SvmCourse, Target, Wap,
+    Course, CrammerCourse, CrammerSinger, Csoaa, Examples, FilterTree, Hinge, Kept, Learner, Logistic, Net, NetCourse,
+    Online, Perceptron, Setting, Svm, SvmCourse, Target, Wap,
 };
 use crate::output::Arrays;
 use crate::policy::{Classifier, Linear, Neural, NeuralMemory};
@@ -20,6 +20,8 @@ pub enum AnyLearner {
     Perceptron(Perceptron),
     /// [`Logistic`].
     Logistic(Logistic),
+    /// [`Hinge`].
+    Hinge(Hinge),
     /// [`Csoaa`].
     Csoaa(Csoaa),
     /// [`Wap`].
@@ -60,6 +62,7 @@ macro_rules! with_learner {
         match $any {
             AnyLearner::Perceptron($learner) => $body,
             AnyLearner::Logistic($learner) => $body,
+            AnyLearner::Hinge($learner) => $body,
             AnyLearner::Csoaa($learner) => $body,
             AnyLearner::Wap($learner) => $body,
             AnyLearner::FilterTree($learner) => $body,

@@ -21,7 +21,7 @@ pub const ALGORITHMS: [&str; 13] = [
 
 /// Those who find costs by rolling out: the expert acts for them and gives no label.
 const ROLL_OUTS: [&str; 4] = ["searn", "cpi", "lols", "lols-online"];
-const LEARNERS: [&str; 7] = ["perceptron", "logistic", "csoaa", "wap", "filter-tree", "svm", "crammer-singer"];
+const LEARNERS: [&str; 8] = ["perceptron", "logistic", "hinge", "csoaa", "wap", "filter-tree", "svm", "crammer-singer"];
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::RngSeed;
 use rollin::corpus::Corpus;
-use rollin::learner::{CrammerSinger, Csoaa, FilterTree, Logistic, Perceptron, Svm, Wap};
+use rollin::learner::{CrammerSinger, Csoaa, FilterTree, Hinge, Logistic, Perceptron, Svm, Wap};
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
 use rollin::space::{Action, CostToGo, Episode, Features, Imitation, Problem, Sight, Space};
@@ -155,6 +155,7 @@ pub fn learners() -> Vec<AnyLearner> {
     vec![
         AnyLearner::Perceptron(Perceptron::default()),
         AnyLearner::Logistic(Logistic::default()),
+        AnyLearner::Hinge(Hinge::default()),
         AnyLearner::Csoaa(Csoaa::default()),
         AnyLearner::Wap(Wap::default()),
         AnyLearner::FilterTree(FilterTree::default()),

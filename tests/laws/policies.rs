@@ -203,7 +203,7 @@ fn scores(classifier: &AnyClassifier, problem: &TaggingProblem, row: u32, dynami
 fn the_mean_classifier_scores_the_mean() {
     let problem = problem(&sample(Labels::Free(5), 30));
     for trainer in trainers().into_iter().filter(|trainer| trainer.mixes()) {
-        for learner in &learners()[..3] {
+        for learner in &learners()[..4] {
             let Learned::Mixture(mixture) = trainer.train(&problem, learner, &Run::new(1)).unwrap().policy else {
                 panic!("{trainer:?} trains no mixture")
             };
@@ -226,7 +226,7 @@ fn the_mean_classifier_scores_the_mean() {
         }
     }
     // Counts of beaten rivals have no such mean.
-    let wap = trainers()[2].train(&problem, &learners()[3], &Run::new(1)).unwrap().policy;
+    let wap = trainers()[2].train(&problem, &AnyLearner::Wap(Default::default()), &Run::new(1)).unwrap().policy;
     let Learned::Mixture(mixture) = wap else { panic!("SMILe trains a mixture") };
     assert!(AnyClassifier::mean(mixture.members()).is_none() && AnyClassifier::mean(&[]).is_none());
 }

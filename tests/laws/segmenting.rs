@@ -98,7 +98,7 @@ proptest! {
     /// Any trainer and learner, any words: IOB2 comes out, and the model that is read again says the same.
     #[test]
     fn everybody_writes_iob2(
-        train in drawn(12, 4, 4), other in drawn(5, 4, 4), which in 0usize..15, kind in 0usize..7, longest in 1u32..=5,
+        train in drawn(12, 4, 4), other in drawn(5, 4, 4), which in 0usize..15, kind in 0usize..8, longest in 1u32..=5,
     ) {
         let (spans, problem) = learned(&corpus(&train), longest);
         let trained = trainers()[which].train(&problem, &learners()[kind], &Run::new(5)).unwrap();

@@ -4,7 +4,7 @@
 mod cli;
 mod treebanks;
 
-use rollin::learner::{Csoaa, FilterTree, Logistic, Perceptron, Wap};
+use rollin::learner::{Csoaa, FilterTree, Hinge, Logistic, Perceptron, Wap};
 use rollin::policy::Reading;
 use rollin::read::conllu::{self, Treebank};
 use rollin::tasks::parsing::{Encoding, Parser, Settings, System};
@@ -75,6 +75,7 @@ fn learners() -> Vec<AnyLearner> {
     vec![
         AnyLearner::Perceptron(Perceptron::default()),
         AnyLearner::Logistic(Logistic::default()),
+        AnyLearner::Hinge(Hinge::default()),
         AnyLearner::Csoaa(Csoaa::default()),
         AnyLearner::Wap(Wap::default()),
         AnyLearner::FilterTree(FilterTree::default()),
