@@ -30,6 +30,7 @@ mod oracle;
 mod score;
 mod space;
 mod state;
+mod tabular;
 mod task;
 mod tree;
 

@@ -2,8 +2,10 @@
 
 use super::space::Parsing;
 use super::state::{Configuration, MOVES, Move, NONE, ROOT, Side, System};
+use super::tabular::Table;
 use crate::seed::Seed;
 use crate::space::{Action, CostToGo, Expert, Space};
+use std::cell::RefCell;
 
 /// The expert who knows the right trees. Silent where they are not known.
 ///
@@ -35,12 +37,21 @@ impl Expert<Parsing> for GoldTree {
         let gold = Gold { space, state };
         Some(Action(match space.system {
             System::ArcHybrid => gold.hybrid(),
-            System::ArcStandard | System::ArcStandardSwap => gold.standard(),
+            System::ArcStandard | System::ArcStandardSwap => gold.tabular(),
         } as u32))
+    }
+
+    /// With swaps it is not known how many steps there are.
+    fn foresee(&self, space: &Parsing, state: &Configuration, costs: &mut Vec<f64>) -> Option<u64> {
+        if space.trees.is_empty() || space.system == System::ArcStandardSwap {
+            return None;
+        }
+        self.costs(space, state, costs);
+        Some(state.steps())
     }
 }
 
-/// Arc-hybrid: exact. Arc-standard: the words that this expert gets wrong from here on, found by letting it go on.
+/// Exact, but for swaps and where there still are some to be done: what this expert gets wrong then, found by letting it go on.
 impl CostToGo<Parsing> for GoldTree {
     fn costs(&self, space: &Parsing, state: &Configuration, costs: &mut Vec<f64>) {
         costs.clear();
@@ -48,11 +59,16 @@ impl CostToGo<Parsing> for GoldTree {
             return;
         }
         let legal = space.legal(state);
+        let gold = Gold { space, state };
         if space.system != System::ArcHybrid {
-            costs.extend(legal.iter().map(|action| self.to_the_end(space, state.clone(), action)));
+            let rest = |action: Action| match Move::ALL.get(action.index()) {
+                Some(a) => gold.after(*a).map(f64::from),
+                None => gold.rest(None).map(|rest| f64::from(rest) + space.wrong_label(state, action)),
+            };
+            let cost = |action| rest(action).unwrap_or_else(|| self.to_the_end(space, state.clone(), action));
+            costs.extend(legal.iter().map(cost));
             return;
         }
-        let gold = Gold { space, state };
         let lost = f64::from(gold.unreachable());
         costs.extend(legal.iter().map(|action| match Move::ALL.get(action.index()) {
             Some(a) => lost + f64::from(gold.loses(*a)),
@@ -72,6 +88,11 @@ impl GoldTree {
         }
         total
     }
+}
+
+thread_local! {
+    /// One table a thread: experts are asked often, and its memory is worth keeping.
+    static TABLE: RefCell<Table> = RefCell::default();
 }
 
 /// A configuration beside its right tree.
@@ -144,6 +165,68 @@ impl Gold<'_> {
         self.space.ancestor(self.state, w)
     }
 
+    /// Of the arc-standard moves that get least wrong the static oracle's if it is one of them, else the first of left, right and shift. Where nothing has
+    /// gone [astray](Configuration) the static oracle's is.
+    fn tabular(&self) -> Move {
+        let usual = self.standard();
+        if !self.state.astray || self.state.stack.len() < 2 {
+            return usual;
+        }
+        let Some(least) = self.after(usual).filter(|least| *least > self.lost(None)) else { return usual };
+        let legal = self.state.moves(System::ArcStandard);
+        let others = [Move::Left, Move::Right, Move::Shift].into_iter().filter(|a| legal >> *a as u32 & 1 == 1);
+        let better = others.filter_map(|a| Some((self.after(a)?, a))).filter(|(cost, _)| *cost < least);
+        better.min_by_key(|(cost, _)| *cost).map_or(usual, |(_, a)| a)
+    }
+
+    /// The fewest words that get wrong heads when the move `a` is made now, without swaps. `None` for a swap, where there are still swaps to be done, and where
+    /// it takes too long.
+    fn after(&self, a: Move) -> Option<u32> {
+        let (top, below) = (self.state.stacked(0), self.state.stacked(1));
+        let wrong = match a {
+            Move::Shift => false,
+            Move::Left => self.head(below) != top,
+            Move::Right => self.head(top) != below,
+            Move::Swap => return None,
+        };
+        Some(u32::from(wrong) + self.rest(Some(a))?)
+    }
+
+    /// [`Gold::after`], but for the arc of the move itself.
+    fn rest(&self, a: Option<Move>) -> Option<u32> {
+        if self.space.system == System::ArcStandardSwap && !self.sorted() {
+            return None;
+        }
+        if self.state.astray || a.is_some_and(|a| strays(self.space, self.state, a)) {
+            let heads = self.space.heads(self.state);
+            return TABLE.with_borrow_mut(|table| {
+                table.read(heads, self.state, a);
+                table.least(heads)
+            });
+        }
+        Some(self.lost(a))
+    }
+
+    /// How many words without a head have lost their right one, after the move `a`.
+    fn lost(&self, a: Option<Move>) -> u32 {
+        let heads = self.space.heads(self.state);
+        TABLE.with_borrow_mut(|table| {
+            table.read(heads, self.state, a);
+            table.lost(heads)
+        })
+    }
+
+    /// Whether the words without a head are in the order in which no arcs cross.
+    fn sorted(&self) -> bool {
+        let state = self.state;
+        let order = |w: u32| self.space.trees.order[(state.first + w) as usize];
+        let stack = state.stack.iter().copied();
+        stack
+            .chain(state.returned.iter().rev().copied())
+            .chain(state.front..state.nodes.len() as u32)
+            .is_sorted_by_key(order)
+    }
+
     /// The move of the static oracle, on the tree that is still possible. Where that is projective no words stand in the wrong order, and
     /// nothing is ever swapped.
     fn standard(&self) -> Move {
@@ -176,6 +259,31 @@ impl Gold<'_> {
         let loses = |w: u32, head: u32, other: u32| open(w) + u32::from(head != other && head == self.head(w));
         if loses(below, heads.0, top) < loses(top, heads.1, below) { Move::Left } else { Move::Right }
     }
+}
+
+/// Whether the move `a` leaves the ways on which the static oracle is exact. It is from the start; what it would do itself leaves it exact; and so does
+/// every arc, right or wrong, where nothing is to be swapped: of a way on that loses nothing there is one left when a word is taken out, and what hung on
+/// that is lost already.
+pub(super) fn strays(space: &Parsing, state: &Configuration, a: Move) -> bool {
+    let gold = Gold { space, state };
+    match a {
+        Move::Shift | Move::Swap => !state.astray && gold.standard() != a,
+        Move::Left | Move::Right => {
+            space.system == System::ArcStandardSwap && !state.astray && gold.standard() != a && !gold.sorted()
+        }
+    }
+}
+
+/// Whether the static oracle is exact again, where nothing is to be swapped: when no two words that should have been joined have something on them, nor a word
+/// that might have gone anywhere.
+pub(super) fn returns(space: &Parsing, state: &Configuration) -> bool {
+    let gold = Gold { space, state };
+    let complete = |w: u32| !gold.dependents(w).any(|dependent| state.alive(dependent));
+    let joins = |head: u32, w: u32| gold.head(w) == head && complete(w);
+    let idle = |w: &u32| gold.head(*w) != ROOT && !state.alive(gold.head(*w)) && complete(*w);
+    let buried = &state.stack[..state.stack.len().saturating_sub(1)];
+    let due = |pair: &[u32]| joins(pair[0], pair[1]) || joins(pair[1], pair[0]);
+    (space.system == System::ArcStandard || gold.sorted()) && !buried.iter().any(idle) && !buried.windows(2).any(due)
 }
 
 /// The side on which the right head of a word stands.

@@ -2,6 +2,7 @@
 
 use super::encoding::Slots;
 use super::features::{self, Attributes};
+use super::oracle;
 use super::state::{Configuration, MOVES, Move, NONE, ROOT, Side, System};
 use super::tree::Trees;
 use crate::seed::Seed;
@@ -64,6 +65,11 @@ impl Parsing {
         self.system
     }
 
+    /// The right heads in the sentence of `state`.
+    pub(super) fn heads(&self, state: &Configuration) -> &[u32] {
+        &self.trees.heads[state.first as usize..][..state.nodes.len()]
+    }
+
     /// The nearest right ancestor of `w` that is not attached yet, or [`ROOT`].
     pub(super) fn ancestor(&self, state: &Configuration, w: u32) -> u32 {
         let mut head = self.trees.heads[(state.first + w) as usize];
@@ -92,6 +98,7 @@ impl Parsing {
                 let node = &mut state.nodes[ancestor as usize];
                 node.open = (node.open + open).saturating_sub(1);
             }
+            state.astray = state.astray && !oracle::returns(self, state);
         }
         f64::from(self.trees.heads[(state.first + w) as usize] != state.nodes[w as usize].head)
     }
@@ -134,6 +141,9 @@ impl Space for Parsing {
     fn step(&self, state: &mut Configuration, action: Action, _: Seed) -> f64 {
         let cost = match Move::ALL.get(action.index()) {
             Some(&a) => {
+                if !self.trees.is_empty() && self.system != System::ArcHybrid {
+                    state.astray |= oracle::strays(self, state, a);
+                }
                 state.make(self.system, a);
                 self.settle(state)
             }

@@ -99,6 +99,9 @@ pub struct Configuration {
     pub(super) front: u32,
     /// The dependent of an arc that waits for its label.
     pub(super) pending: u32,
+    /// Whether something has been shifted or swapped where the static oracle would not have done so, and may have cost words; kept where the
+    /// right tree is known.
+    pub(super) astray: bool,
 }
 
 impl Configuration {
@@ -114,7 +117,8 @@ impl Configuration {
             open: 0,
         };
         let stack = Vec::with_capacity(count.min(64));
-        Configuration { first, nodes: vec![node; count], stack, returned: Vec::new(), front: 0, pending: NONE }
+        let nodes = vec![node; count];
+        Configuration { first, nodes, stack, returned: Vec::new(), front: 0, pending: NONE, astray: false }
     }
 
     /// The word `k` below the top of the stack.
@@ -246,6 +250,13 @@ impl Configuration {
             None => self.label(action.0 - MOVES),
         }
         self.settle();
+    }
+
+    /// How many actions there are to come, without swaps: a shift, an arc and a label for each word, but no arc for the root.
+    pub(super) fn steps(&self) -> u64 {
+        let buffered = self.nodes.len() - self.front as usize + self.returned.len();
+        let words = 3 * buffered + 2 * self.stack.len();
+        (words.saturating_sub(1) + usize::from(self.pending != NONE)) as u64
     }
 
     /// Whether all words have been attached and labelled.
