@@ -197,7 +197,7 @@ impl Gold<'_> {
         if self.space.system == System::ArcStandardSwap && !self.sorted() {
             return None;
         }
-        if self.state.astray || a.is_some_and(|a| strays(self.space, self.state, a)) {
+        if self.state.astray || a.is_some_and(|a| self.strays(a)) {
             let heads = self.space.heads(self.state);
             return TABLE.with_borrow_mut(|table| {
                 table.read(heads, self.state, a);
@@ -261,29 +261,55 @@ impl Gold<'_> {
     }
 }
 
-/// Whether the move `a` leaves the ways on which the static oracle is exact. It is from the start; what it would do itself leaves it exact; and so does
-/// every arc, right or wrong, where nothing is to be swapped: of a way on that loses nothing there is one left when a word is taken out, and what hung on
-/// that is lost already.
-pub(super) fn strays(space: &Parsing, state: &Configuration, a: Move) -> bool {
-    let gold = Gold { space, state };
-    match a {
-        Move::Shift | Move::Swap => !state.astray && gold.standard() != a,
-        Move::Left | Move::Right => {
-            space.system == System::ArcStandardSwap && !state.astray && gold.standard() != a && !gold.sorted()
+/// What the static oracle of arc-standard, with swaps or without, cannot see: it is exact while nothing of this is on the stack below its top.
+/// Words are taken as done whose dependents have all been attached, rightly or wrongly.
+impl Gold<'_> {
+    fn done(&self, w: u32) -> bool {
+        !self.dependents(w).any(|dependent| self.state.alive(dependent))
+    }
+
+    /// A word that may go anywhere, but has to go before the words beside it can be joined.
+    fn idle(&self, w: u32) -> bool {
+        let head = self.head(w);
+        head != ROOT && !self.state.alive(head) && self.done(w)
+    }
+
+    /// Two neighbours of which one should have been joined to the other.
+    fn due(&self, below: u32, top: u32) -> bool {
+        self.head(below) == top && self.done(below) || self.head(top) == below && self.done(top)
+    }
+
+    /// Whether the move `a` puts something there, or is a swap too many or too few.
+    fn strays(&self, a: Move) -> bool {
+        let (top, below) = (self.state.stacked(0), self.state.stacked(1));
+        let buries = || top != NONE && (self.idle(top) || below != NONE && self.due(below, top));
+        match a {
+            Move::Left | Move::Right => false,
+            Move::Shift if self.space.system == System::ArcStandard => buries(),
+            _ => self.standard() != a || buries(),
         }
+    }
+
+    /// Whether there is something, or words are still to be swapped.
+    fn astray(&self) -> bool {
+        let buried = &self.state.stack[..self.state.stack.len().saturating_sub(1)];
+        let unsorted = self.space.system == System::ArcStandardSwap && !self.sorted();
+        unsorted || buried.iter().any(|w| self.idle(*w)) || buried.windows(2).any(|pair| self.due(pair[0], pair[1]))
     }
 }
 
-/// Whether the static oracle is exact again, where nothing is to be swapped: when no two words that should have been joined have something on them, nor a word
-/// that might have gone anywhere.
-pub(super) fn returns(space: &Parsing, state: &Configuration) -> bool {
-    let gold = Gold { space, state };
-    let complete = |w: u32| !gold.dependents(w).any(|dependent| state.alive(dependent));
-    let joins = |head: u32, w: u32| gold.head(w) == head && complete(w);
-    let idle = |w: &u32| gold.head(*w) != ROOT && !state.alive(gold.head(*w)) && complete(*w);
-    let buried = &state.stack[..state.stack.len().saturating_sub(1)];
-    let due = |pair: &[u32]| joins(pair[0], pair[1]) || joins(pair[1], pair[0]);
-    (space.system == System::ArcStandard || gold.sorted()) && !buried.iter().any(idle) && !buried.windows(2).any(due)
+/// Keeps [`Configuration::astray`] before the move `a`.
+pub(super) fn before(space: &Parsing, state: &mut Configuration, a: Move) {
+    state.astray = state.astray || Gold { space, state }.strays(a);
+}
+
+/// Keeps it after the arc of the pending word. One that is right and after which nothing hangs in the air changes nothing.
+pub(super) fn after(space: &Parsing, state: &mut Configuration) {
+    let w = state.pending as usize;
+    let wrong = space.heads(state)[w] != state.nodes[w].head || state.nodes[w].open > 0;
+    if wrong || state.astray {
+        state.astray = Gold { space, state }.astray();
+    }
 }
 
 /// The side on which the right head of a word stands.

@@ -98,7 +98,7 @@ impl Parsing {
                 let node = &mut state.nodes[ancestor as usize];
                 node.open = (node.open + open).saturating_sub(1);
             }
-            state.astray = state.astray && !oracle::returns(self, state);
+            oracle::after(self, state);
         }
         f64::from(self.trees.heads[(state.first + w) as usize] != state.nodes[w as usize].head)
     }
@@ -142,7 +142,7 @@ impl Space for Parsing {
         let cost = match Move::ALL.get(action.index()) {
             Some(&a) => {
                 if !self.trees.is_empty() && self.system != System::ArcHybrid {
-                    state.astray |= oracle::strays(self, state, a);
+                    oracle::before(self, state, a);
                 }
                 state.make(self.system, a);
                 self.settle(state)

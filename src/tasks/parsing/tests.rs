@@ -1,6 +1,7 @@
 //! The systems and their experts against brute force over everything that can be done, on all trees of few words.
 
 use super::state::{NONE, ROOT};
+use super::tabular::Table;
 use super::tree::{projective, projectivise};
 use super::*;
 use crate::learner::Logistic;
@@ -207,6 +208,48 @@ fn the_projective_oracles_are_optimal_on_all_trees_of_five_words() {
             assert_eq!((visited[1], worse), (0, [0; 2]), "{system:?}, {n} words");
         }
     }
+}
+
+/// The fast ways agree with the table, on trees too large to try everything: costs do in every configuration that noisy walks come through, and who follows
+/// the answers pays what the table says.
+#[test]
+fn costs_are_those_of_the_table_on_random_trees() {
+    let mut draws = 0;
+    let mut draw = |n: usize| {
+        draws += 1;
+        (Seed::new(7).child(crate::seed::Purpose::Sentence, draws).unit() * n as f64) as usize
+    };
+    let trees: Vec<Vec<u32>> = (0..600).map(|_| random_tree(14, &mut draw)).collect();
+    let space = space(&trees, System::ArcStandard, 1);
+    let (mut table, mut found, mut astray) = (Table::default(), Vec::new(), 0);
+    for (index, heads) in trees.iter().enumerate() {
+        let mut state = space.start(Episode { index, seed: Seed::new(0) });
+        while !state.finished() {
+            let legal = space.legal(&state);
+            table.read(heads, &state, None);
+            let least = f64::from(table.least(heads).expect("a small table"));
+            GoldTree.costs(&space, &state, &mut found);
+            let answer = GoldTree.action(&space, &state).expect("the trees are known");
+            assert_eq!(found.iter().copied().fold(f64::INFINITY, f64::min), least, "{state:?}");
+            assert_eq!(found[legal.place(answer).expect("legal")], least, "{state:?}");
+            astray += usize::from(state.astray);
+            let action = if draw(10) < 7 { answer } else { legal.nth(draw(legal.len())) };
+            space.step(&mut state, action, Seed::new(0));
+        }
+    }
+    assert!(astray > 1000, "{astray}");
+}
+
+/// Words joined two by two, neighbour to neighbour: every projective tree may come of it.
+fn random_tree(n: usize, draw: &mut impl FnMut(usize) -> usize) -> Vec<u32> {
+    let (mut heads, mut line) = (vec![ROOT; n], (0..n as u32).collect::<Vec<_>>());
+    while line.len() > 1 {
+        let i = draw(line.len() - 1);
+        let (dependent, head) = if draw(2) == 0 { (i, i + 1) } else { (i + 1, i) };
+        heads[line[dependent] as usize] = line[head];
+        line.remove(dependent);
+    }
+    heads
 }
 
 /// With swaps the answer is optimal wherever there is no [disorder](disorder), on every tree of up to five words; and in nine of ten
