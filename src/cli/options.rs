@@ -92,7 +92,7 @@ pub enum SystemName {
     /// Projective trees only, with an exact dynamic oracle
     #[value(name = "arc-hybrid")]
     Hybrid,
-    /// Projective trees only
+    /// Projective trees only, with an exact dynamic oracle too
     #[value(name = "arc-standard")]
     Standard,
     /// All trees (Nivre 2009)

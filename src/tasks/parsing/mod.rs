@@ -1,8 +1,8 @@
 //! Dependency parsing: moves on a stack and a buffer, each arc followed by its label.
 //!
 //! [`Encoding::learn`] turns a treebank into a [`Parsing`] space, whose expert is [`GoldTree`]; a trainer makes a policy of it; a
-//! [`Parser`] is encoding and policy together. Three [systems](System): two for projective trees, the expert of one of which is exact in
-//! every configuration, and one for all trees.
+//! [`Parser`] is encoding and policy together. Three [systems](System): two for projective trees, whose expert is exact in every
+//! configuration, and one for all trees.
 //!
 //! ```
 //! use rollin::learner::Logistic;

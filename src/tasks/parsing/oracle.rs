@@ -13,10 +13,16 @@ use std::cell::RefCell;
 /// than the answer's. Arcs can be reached together whenever each can be reached (arc decomposability), so that a move costs what it makes unreachable.
 /// Of equals the left arc is taken, then the right one.
 ///
-/// Arc-standard, with swap or without: the static oracle of Nivre (2009), as late with swaps as that of Nivre, Kuhlmann & Hall (2009), on the tree that is
-/// still possible: a word whose right head is attached already belongs to the nearest ancestor that is not. It makes every tree from the start, and is exact
-/// as long as no words have been swapped that stood in the right order, and nothing has been shifted onto two words that had to be swapped or joined;
-/// elsewhere, but on its own way, it is the best effort of one that looks no further than the top two words and the front of the buffer.
+/// Arc-standard: the tabular dynamic oracle of Goldberg, Sartorio & Satta (2014), exact as well. Of equals the move of the static oracle is taken (Nivre 2009),
+/// so that from the start its way is the expert's, then the left arc, then the right one. Only where words that should have been joined have something on them
+/// is a table filled.
+///
+/// Arc-standard with swap: the same where the words that are left stand in the right order, and then no way on without swaps gets more words right; where two
+/// words should have been joined and have something on them, swaps might. Where words are still to be swapped (a static-dynamic oracle, after de Lhoneux, Stymne
+/// & Nivre 2017): the static oracle of Nivre (2009), as late with swaps as that of Nivre, Kuhlmann & Hall (2009), on the tree that is still possible: a word
+/// whose right head is attached already belongs to the nearest ancestor that is not. It makes every tree from the start, and is exact as long as no words have
+/// been swapped that stood in the right order, and nothing has been shifted onto two words that had to be swapped or joined; elsewhere it is the best effort of
+/// one that looks no further than the top two words and the front of the buffer.
 ///
 /// Labels: the right one where it is legal on this side, else the lowest legal one; a word on a wrong head is given its right label too,
 /// though nothing depends on it any more.
@@ -165,8 +171,8 @@ impl Gold<'_> {
         self.space.ancestor(self.state, w)
     }
 
-    /// Of the arc-standard moves that get least wrong the static oracle's if it is one of them, else the first of left, right and shift. Where nothing has
-    /// gone [astray](Configuration) the static oracle's is.
+    /// Of the arc-standard moves that get least wrong the static oracle's if it is one of them, else the first of left, right and shift. Where nothing
+    /// has gone astray the static oracle's is.
     fn tabular(&self) -> Move {
         let usual = self.standard();
         if !self.state.astray || self.state.stack.len() < 2 {

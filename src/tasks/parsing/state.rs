@@ -99,8 +99,7 @@ pub struct Configuration {
     pub(super) front: u32,
     /// The dependent of an arc that waits for its label.
     pub(super) pending: u32,
-    /// Whether something has been shifted or swapped where the static oracle would not have done so, and may have cost words; kept where the
-    /// right tree is known.
+    /// Whether the static oracle of arc-standard may be wrong here; kept where the right tree is known.
     pub(super) astray: bool,
 }
 

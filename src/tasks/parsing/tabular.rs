@@ -25,8 +25,8 @@ struct Word {
 }
 
 /// The tabular dynamic oracle for arc-standard of Goldberg, Sartorio & Satta (2014), with the root counted as a word's head: the least number of words that
-/// get a wrong head in any way on from a line of words without swaps. Nothing of it depends on the words' numbers but their places in the line, so that words
-/// that have been swapped are as good, where no subtree of the right tree is torn apart by a word that stays in the line.
+/// get a wrong head in any way on from a line of words without swaps. It asks where words stand in the line, not for their numbers, so that words may have been
+/// swapped, if they now stand in the order in which no arcs of the right tree cross.
 ///
 /// All ways on make a binary tree over the line, each node joining two neighbouring spans, one word of each of which has not been attached, its head. The stack
 /// restrains it: what ends below the top is one word. So a span that holds the top grows by the next word down the stack, or by a span of the buffer; and of those
