@@ -178,11 +178,11 @@ impl Gold<'_> {
         if !self.state.astray || self.state.stack.len() < 2 {
             return usual;
         }
-        let Some(least) = self.after(usual).filter(|least| *least > self.lost(None)) else { return usual };
+        let Some(cost) = self.after(usual).filter(|cost| *cost > self.lost(None)) else { return usual };
+        let Some(least) = self.rest(None).filter(|least| *least < cost) else { return usual };
         let legal = self.state.moves(System::ArcStandard);
-        let others = [Move::Left, Move::Right, Move::Shift].into_iter().filter(|a| legal >> *a as u32 & 1 == 1);
-        let better = others.filter_map(|a| Some((self.after(a)?, a))).filter(|(cost, _)| *cost < least);
-        better.min_by_key(|(cost, _)| *cost).map_or(usual, |(_, a)| a)
+        let mut moves = [Move::Left, Move::Right, Move::Shift].into_iter().filter(|a| legal >> *a as u32 & 1 == 1);
+        moves.find(|a| self.after(*a) == Some(least)).unwrap_or(usual)
     }
 
     /// The fewest words that get wrong heads when the move `a` is made now, without swaps. `None` for a swap, where there are still swaps to be done, and where
