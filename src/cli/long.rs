@@ -54,11 +54,12 @@ fn duration(text: &str) -> Result<Duration> {
 const FREE: [&str; 9] = ["model", "threads", "quiet", "json", "checkpoint", "resume", "time_limit", "log", "help"];
 
 impl LongOptions {
-    /// The checkpoint, if one is asked for, of what was `given` on the command line and training depends on beside that.
-    pub fn keeping(&self, given: &Given, data: &Path, features: u64) -> Result<Keeping> {
+    /// The checkpoint, if one is asked for, of what was `given` on the command line and training depends on beside that: `features` gives the features'
+    /// checksum.
+    pub fn keeping(&self, given: &Given, data: &Path, features: impl FnOnce() -> u64) -> Result<Keeping> {
         let Some(folder) = &self.checkpoint else { return Ok(None) };
         let corpus = sha256(&input::bytes(data)?);
-        let features = format!("{features:016x}");
+        let features = format!("{:016x}", features());
         let mut of = vec![
             ("the version", env!("CARGO_PKG_VERSION")),
             ("the corpus", &corpus),

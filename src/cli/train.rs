@@ -78,7 +78,7 @@ impl Train {
         problem.episodes = held_out.start;
 
         let mut about = About { expert: self.trainer.flaw(), ..recipe.about(&corpus) };
-        let keep = self.long.keeping(given, &self.data, checksum_of(&encoding))?;
+        let keep = self.long.keeping(given, &self.data, || checksum_of(&encoding))?;
         let log = self.long.log(&keep, &about)?;
         let kept = keep.is_some();
         let bar = Bar::new(&self.algorithm.name(), global.quiet);

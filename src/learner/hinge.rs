@@ -58,6 +58,10 @@ impl Rule for Hinge {
         let (right, rival, loss) = match example.target {
             Target::Label(right) => {
                 let owed = |a: Action| scores[a.index()] + if a == right { 0.0 } else { 1.0 };
+                // Mostly nobody comes that near, which is sooner seen than who comes nearest.
+                if !example.legal.iter().any(|a| owed(a) > owed(right)) {
+                    return false;
+                }
                 let rival = example.legal.best_by(owed);
                 (right, rival, owed(rival) - owed(right))
             }

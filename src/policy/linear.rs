@@ -133,7 +133,7 @@ impl LinearMemory {
     #[inline]
     fn belong_to(&mut self, weights: &Weights) {
         let stride = weights.stride();
-        if self.sums.len() != stride {
+        if self.sums.len() != stride || self.fixed.sums.len() != FIXED * stride {
             let (fixed, near) = (Sums::new(FIXED, stride), Sums::new(NEAR, stride));
             let decided = vec![(Action(0), 0.0); NEAR];
             *self = LinearMemory { version: 0, fixed, near, decided, sums: vec![0.0; stride], votes: Vec::new() };
@@ -209,7 +209,10 @@ impl LinearMemory {
         sight: &Sight<'_, Features>,
     ) -> Action {
         let (view, stride) = (sight.view, weights.stride());
-        if columns != Columns::Actions || view.near == 0 || weights.reach.is_empty() {
+        if columns == Columns::Actions && weights.reach.is_empty() {
+            return self.choose_once(weights, sight);
+        }
+        if columns != Columns::Actions || view.near == 0 {
             return sight.legal.best(self.scores(columns, actions, weights, sight));
         }
         self.belong_to(weights);
@@ -230,6 +233,18 @@ impl LinearMemory {
         self.sums.copy_from_slice(self.near.read(place, stride));
         weights.add_to(far, &mut self.sums);
         sight.legal.best(&self.sums[..actions])
+    }
+
+    /// The same where no static part is seen twice, and nothing is worth remembering: weights that were not measured are not there to roll out.
+    #[inline]
+    fn choose_once(&mut self, weights: &Weights, sight: &Sight<'_, Features>) -> Action {
+        self.sums.clear();
+        self.sums.resize(weights.stride(), 0.0);
+        let span = weights.span(Columns::Actions, sight.legal);
+        let sums = &mut self.sums[span.clone()];
+        weights.add_span(sight.shared.row(sight.view.row), span.start, sums);
+        weights.add_span(&sight.view.dynamic, span.start, sums);
+        sight.legal.best(&self.sums)
     }
 }
 
@@ -318,5 +333,46 @@ impl Classifier<Features> for Linear {
     #[inline]
     fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
         memory.choose(self.columns, self.actions, &self.weights, sight)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::FeatureTable;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// One memory for narrow and wide classifiers, measured or not, asked to choose and for scores in any order: the answers are those of a new one.
+        #[test]
+        fn memory_serves_all_classifiers(
+            numbers in prop::array::uniform32(-2..3i8),
+            asked in prop::collection::vec((0..4usize, 0..2u32, 0..4u32, any::<bool>()), 1..30),
+        ) {
+            let shared = FeatureTable::from_rows(6, vec![0, 1, 2], vec![0, 1]);
+            let linear: Vec<Linear> = (0..4).map(|i| {
+                let actions = [3, 20][i % 2];
+                let mut weights = Weights::new(6, actions);
+                for feature in 0..6 {
+                    let row = weights.row_mut(feature)[..actions].iter_mut().zip(&numbers[feature as usize..]);
+                    row.for_each(|(w, number)| *w = f32::from(*number));
+                }
+                if i > 1 {
+                    weights.measure();
+                }
+                Linear { actions, columns: Columns::Actions, weights }
+            }).collect();
+            let mut memory = LinearMemory::default();
+            for (i, row, key, choose) in asked {
+                let view = Features { row, dynamic: vec![2 + key], near: 1, key };
+                let legal = Actions::All(linear[i].actions as u32);
+                let sight = Sight { shared: &shared, view: &view, legal };
+                let scores = linear[i].scores(&sight, &mut Default::default()).to_vec();
+                match choose {
+                    true => prop_assert_eq!(linear[i].choose(&sight, &mut memory), legal.best(&scores)),
+                    false => prop_assert_eq!(linear[i].scores(&sight, &mut memory), &scores[..]),
+                }
+            }
+        }
     }
 }
