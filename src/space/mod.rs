@@ -164,8 +164,8 @@ pub trait Expert<S: Space>: Sync {
     }
 
     /// What roll-outs of the expert come to, where that is known without a trial: writes the cost from here to the end, for each legal action in
-    /// order, when it is taken now and the expert acts ever after, and gives the number of steps from here to the end, which is the same for all
-    /// of them and none of which the expert is silent at. Costs must be those of the trials to the bit. `None`, and anything in `costs`, is always right.
+    /// order, when it is taken now and the expert acts ever after, and gives the number of steps from here to the end, of all of them together, none of
+    /// which the expert is silent at. Costs must be those of the trials to the bit. `None`, and anything in `costs`, is always right.
     fn foresee(&self, space: &S, state: &S::State, costs: &mut Vec<f64>) -> Option<u64> {
         let _ = (space, state, costs);
         None

@@ -133,10 +133,10 @@ impl<'v, P: Problem> Visit<'v, P> {
     pub fn foresee(&mut self, costs: &mut Vec<f64>) -> bool {
         let Some(steps) = self.problem.expert().foresee(self.problem.space(), self.state, costs) else { return false };
         let runs = costs.len() as u64;
-        let acts = runs * (steps - 1);
+        let acts = steps - runs;
         self.ledger.rollouts += runs;
         self.ledger.resets += runs;
-        self.ledger.steps += runs * steps;
+        self.ledger.steps += steps;
         self.ledger.rollout_acts += acts;
         self.ledger.queries += acts;
         true

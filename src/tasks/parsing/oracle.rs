@@ -47,52 +47,54 @@ impl Expert<Parsing> for GoldTree {
         } as u32))
     }
 
-    /// With swaps it is not known how many steps there are.
     fn foresee(&self, space: &Parsing, state: &Configuration, costs: &mut Vec<f64>) -> Option<u64> {
-        if space.trees.is_empty() || space.system == System::ArcStandardSwap {
+        costs.clear();
+        if space.trees.is_empty() {
             return None;
         }
-        self.costs(space, state, costs);
-        Some(state.steps())
+        let gold = Gold { space, state };
+        // Of labels, and in arc-hybrid of moves, each costs something beside what is lost in any case.
+        let beside = space.system == System::ArcHybrid || state.pending != NONE;
+        let lost = beside.then(|| gold.rest(None)).flatten();
+        let mut steps = 0;
+        for action in space.legal(state).iter() {
+            let cost = match (Move::ALL.get(action.index()), lost) {
+                (Some(a), Some(lost)) => Some(f64::from(lost + gold.loses(*a))),
+                (Some(a), None) => gold.after(*a).map(f64::from),
+                (None, lost) => lost.map(|lost| f64::from(lost) + space.wrong_label(state, action)),
+            };
+            let tried = || self.to_the_end(space, state.clone(), action);
+            let (cost, more) = cost.map_or_else(tried, |cost| (cost, state.steps()));
+            costs.push(cost);
+            steps += more;
+        }
+        Some(steps)
     }
 }
 
 /// Exact, but for swaps and where there still are some to be done: what this expert gets wrong then, found by letting it go on.
 impl CostToGo<Parsing> for GoldTree {
     fn costs(&self, space: &Parsing, state: &Configuration, costs: &mut Vec<f64>) {
-        costs.clear();
-        if space.trees.is_empty() {
-            return;
-        }
-        let legal = space.legal(state);
-        let gold = Gold { space, state };
-        if space.system != System::ArcHybrid {
-            let rest = |action: Action| match Move::ALL.get(action.index()) {
-                Some(a) => gold.after(*a).map(f64::from),
-                None => gold.rest(None).map(|rest| f64::from(rest) + space.wrong_label(state, action)),
-            };
-            let cost = |action| rest(action).unwrap_or_else(|| self.to_the_end(space, state.clone(), action));
-            costs.extend(legal.iter().map(cost));
-            return;
-        }
-        let lost = f64::from(gold.unreachable());
-        costs.extend(legal.iter().map(|action| match Move::ALL.get(action.index()) {
-            Some(a) => lost + f64::from(gold.loses(*a)),
-            None => lost + space.wrong_label(state, action),
-        }));
+        self.foresee(space, state, costs);
     }
 }
 
 impl GoldTree {
-    /// What it costs to take `action` and then do as this expert does.
-    fn to_the_end(self, space: &Parsing, mut state: Configuration, action: Action) -> f64 {
+    /// What it costs to take `action` and then do as this expert does, and how many steps that is: by trying, until it is known what is left.
+    fn to_the_end(self, space: &Parsing, mut state: Configuration, action: Action) -> (f64, u64) {
         let nothing = Seed::new(0);
-        let mut total = space.step(&mut state, action, nothing);
+        let (mut cost, mut steps) = (space.step(&mut state, action, nothing), 1);
         while !space.legal(&state).is_empty() {
+            let gold = Gold { space, state: &state };
+            // A label costs nothing more where the expert says it.
+            if let Some(rest) = gold.rest(None) {
+                return (cost + f64::from(rest), steps + state.steps());
+            }
             let Some(action) = self.action(space, &state) else { break };
-            total += space.step(&mut state, action, nothing);
+            cost += space.step(&mut state, action, nothing);
+            steps += 1;
         }
-        total
+        (cost, steps)
     }
 }
 
@@ -200,6 +202,9 @@ impl Gold<'_> {
 
     /// [`Gold::after`], but for the arc of the move itself.
     fn rest(&self, a: Option<Move>) -> Option<u32> {
+        if self.space.system == System::ArcHybrid {
+            return Some(self.unreachable());
+        }
         if self.space.system == System::ArcStandardSwap && !self.sorted() {
             return None;
         }

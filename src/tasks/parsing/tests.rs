@@ -101,10 +101,18 @@ impl Search<'_> {
         self.visited[which] += 1;
         self.worse[which] += usize::from(costs[place] > least);
         let mut found = Vec::new();
-        GoldTree.costs(space, state, &mut found);
+        let steps = GoldTree.foresee(space, state, &mut found);
+        if space.system != System::ArcStandardSwap || state.nodes.len() < 5 {
+            let mut tried = 0;
+            let trials = self.each(state, |search, next| {
+                let (actions, cost) = way(search.space, next.clone());
+                tried += actions.len() as u64 + 1;
+                cost
+            });
+            assert_eq!((&found, steps), (&trials, Some(tried)), "{state:?}");
+        }
         if space.system != System::ArcStandardSwap {
             assert_eq!(found, costs, "{state:?}");
-            assert_eq!(GoldTree.foresee(space, state, &mut found), Some(way(space, state.clone()).0.len() as u64));
         } else if sorted(space, state) {
             let costs = self.each(state, Self::without_swaps);
             let exact = |i: &usize| legal.nth(*i) != SWAP;
@@ -130,7 +138,7 @@ impl Search<'_> {
     }
 
     /// What each legal action costs, if `rest` is the cost from then on.
-    fn each(&mut self, state: &Configuration, rest: fn(&mut Self, &Configuration) -> f64) -> Vec<f64> {
+    fn each(&mut self, state: &Configuration, mut rest: impl FnMut(&mut Self, &Configuration) -> f64) -> Vec<f64> {
         let space = self.space;
         let cost = |action| {
             let mut next = state.clone();

@@ -356,7 +356,7 @@ impl Expert<Tagging> for Gold {
 
     fn foresee(&self, space: &Tagging, state: &Position, costs: &mut Vec<f64>) -> Option<u64> {
         self.costs(space, state, costs);
-        (!space.gold.is_empty()).then_some(u64::from(state.left))
+        (!space.gold.is_empty()).then_some(costs.len() as u64 * u64::from(state.left))
     }
 }
 
