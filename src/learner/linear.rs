@@ -1,7 +1,7 @@
 //! What all linear learners share: passes over the examples, descent along a gradient in the columns, averaging.
 
 use super::{Examples, Learner, Online, Setting, Target};
-use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best};
+use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best, reserve_some};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, Features, Sight};
 use rand::seq::SliceRandom;
@@ -185,6 +185,7 @@ fn adaptive(rate: f32, l2: f32, when: f32, g: Block, now: (Block, Block, Block))
 fn start<R: Rule>(rule: &R, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Course {
     let columns = rule.columns();
     let mut weights = Weights::new(setting.shared.features(), columns.count(setting.actions));
+    weights.reserve_all();
     if let Some(warm) = warm {
         for feature in 0..warm.weights.features() as u32 {
             if let Some(row) = warm.weights.row(feature) {
@@ -192,7 +193,10 @@ fn start<R: Rule>(rule: &R, setting: Setting<'_, Features>, warm: Option<&Linear
             }
         }
     }
-    Course::of(setting.actions, columns, weights)
+    let beside = weights.features() * weights.stride() / BLOCK * rule.descent().beside();
+    let mut course = Course::of(setting.actions, columns, weights);
+    reserve_some(&mut course.beside, beside);
+    course
 }
 
 /// The weights as they are now, not their average.

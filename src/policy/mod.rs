@@ -29,6 +29,7 @@ pub use tree::Tree;
 pub use value::Valued;
 pub(crate) use value::value_of;
 pub use weights::Weights;
+pub(crate) use weights::reserve_some;
 
 use crate::space::{Action, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;

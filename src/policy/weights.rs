@@ -50,6 +50,16 @@ fn reach(row: &[f32]) -> f32 {
     range * (1.0 + ROUNDING) + odd.into_iter().sum::<f32>()
 }
 
+/// More bytes than this are not taken up before they are needed.
+const MOST_RESERVED: usize = 1 << 30;
+
+/// Takes up room for `more` elements, if that is not too much and there is any: memory that nobody writes to costs nothing, and what grows there need not
+/// be moved.
+pub(crate) fn reserve_some<T>(list: &mut Vec<T>, more: usize) {
+    // Where there is no such room the list grows step by step.
+    let _ = list.try_reserve_exact(more.min(MOST_RESERVED / size_of::<T>()));
+}
+
 impl Weights {
     /// No weights, for `features` features.
     pub fn new(features: usize, columns: usize) -> Self {
@@ -154,6 +164,12 @@ impl Weights {
     /// Takes up the room that `rows` more rows will need.
     pub fn reserve(&mut self, rows: usize) {
         self.rows.reserve_exact(rows * self.stride);
+    }
+
+    /// The same for the rows of all features, as [`reserve_some`] does it.
+    pub(crate) fn reserve_all(&mut self) {
+        let rows = self.features();
+        reserve_some(&mut self.rows, rows * self.stride);
     }
 
     /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more. Where
