@@ -15,8 +15,7 @@ use std::cell::RefCell;
 ///
 /// Arc-standard: the tabular dynamic oracle of Goldberg, Sartorio & Satta (2014), exact as well. Of equals the move of the static oracle is taken (Nivre 2009),
 /// so that from the start its way is the expert's, then the left arc, then the right one. Only where words that should have been joined have something on them
-/// is a table filled; if that would take more than four million steps, as it may with a hundred words on the stack and a hundred subtrees in the buffer, the
-/// static oracle answers.
+/// is a table filled; while more than 256 words have no head the static oracle answers there.
 ///
 /// Arc-standard with swap: the same where the words that are left stand in the right order, and then no way on without swaps gets more words right; where two
 /// words should have been joined and have something on them, swaps might. Where words are still to be swapped (a static-dynamic oracle, after de Lhoneux, Stymne
@@ -189,7 +188,7 @@ impl Gold<'_> {
     }
 
     /// The fewest words that get wrong heads when the move `a` is made now, without swaps. `None` for a swap, where there are still swaps to be done, and where
-    /// it takes too long.
+    /// too many words are left.
     fn after(&self, a: Move) -> Option<u32> {
         let (top, below) = (self.state.stacked(0), self.state.stacked(1));
         let wrong = match a {

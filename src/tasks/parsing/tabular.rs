@@ -52,8 +52,8 @@ pub(super) struct Table {
 /// More than all words of a sentence: what cannot be.
 const NEVER: u32 = u32::MAX / 2;
 
-/// No table takes more steps than this, a few thousandths of a second; what would is not known.
-const MOST_STEPS: usize = 1 << 22;
+/// No table is filled for more words, some four million steps: what they come to is not known. Words only become fewer, so that what is known stays known.
+const MOST_WORDS: usize = 256;
 
 impl Table {
     /// Puts the words that are left after the move `a`, if any but a swap, into line. `heads` are the right ones of all words.
@@ -90,18 +90,17 @@ impl Table {
         self.line.iter().filter(|w| self.above(heads, **w) == Some(Place::Gone)).count() as u32
     }
 
-    /// The fewest words that get wrong heads, the last one's being [`ROOT`]. `None` where the table would be too large.
+    /// The fewest words that get wrong heads, the last one's being [`ROOT`]. `None` where there are too many.
     pub fn least(&mut self, heads: &[u32]) -> Option<u32> {
+        if self.line.len() > MOST_WORDS {
+            return None;
+        }
         let inert = self.reduce(heads);
         let on_stack = |w: &u32| self.words[*w as usize].place == Place::Stack;
         let left = self.numbered.iter().take_while(|w| on_stack(w)).count();
         let right = self.numbered.len() - left;
-        if left == 0 {
-            // Nothing is needed from the stack, nothing belongs to it: the buffer comes down to the right root, if to anything.
-            return Some(inert);
-        }
-        let steps = left.saturating_mul(right + 1).saturating_mul(left + right);
-        (steps <= MOST_STEPS).then(|| inert + self.fill(left, right))
+        // Where nothing is on the stack the buffer comes down to the right root, if to anything.
+        Some(inert + if left == 0 { 0 } else { self.fill(left, right) })
     }
 
     /// Where the right head of `w` is, if it has one.

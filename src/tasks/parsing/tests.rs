@@ -248,6 +248,44 @@ fn costs_are_those_of_the_table_on_random_trees() {
     assert!(astray > 1000, "{astray}");
 }
 
+/// While too many words are left for a table the expert does without, and what is foreseen there are its trials all the same.
+#[test]
+fn long_ways_are_foreseen_as_they_go() {
+    let mut draws = 0;
+    let mut draw = |n: usize| {
+        draws += 1;
+        (Seed::new(8).child(crate::seed::Purpose::Sentence, draws).unit() * n as f64) as usize
+    };
+    let trees: Vec<Vec<u32>> = (0..3).map(|_| random_tree(300, &mut draw)).collect();
+    let (mut table, mut found, mut beyond) = (Table::default(), Vec::new(), 0);
+    for system in [System::ArcStandard, System::ArcStandardSwap] {
+        let space = space(&trees, system, 1);
+        for (index, heads) in trees.iter().enumerate() {
+            let mut state = space.start(Episode { index, seed: Seed::new(0) });
+            for step in 0..250 {
+                let legal = space.legal(&state);
+                if step % 50 == 49 {
+                    let steps = GoldTree.foresee(&space, &state, &mut found);
+                    let ways = legal.iter().map(|action| {
+                        let mut next = state.clone();
+                        let cost = space.step(&mut next, action, Seed::new(0));
+                        let (actions, rest) = way(&space, next);
+                        (cost + rest, actions.len() as u64 + 1)
+                    });
+                    let (costs, lengths): (Vec<f64>, Vec<u64>) = ways.unzip();
+                    assert_eq!((&found, steps), (&costs, Some(lengths.iter().sum())));
+                    table.read(heads, &state, None);
+                    beyond += usize::from(state.astray && table.least(heads).is_none());
+                }
+                let answer = GoldTree.action(&space, &state).expect("the trees are known");
+                let action = if draw(10) < 8 { answer } else { legal.nth(draw(legal.len())) };
+                space.step(&mut state, action, Seed::new(0));
+            }
+        }
+    }
+    assert!(beyond > 3, "{beyond}");
+}
+
 /// Words joined two by two, neighbour to neighbour: every projective tree may come of it.
 fn random_tree(n: usize, draw: &mut impl FnMut(usize) -> usize) -> Vec<u32> {
     let (mut heads, mut line) = (vec![ROOT; n], (0..n as u32).collect::<Vec<_>>());
