@@ -16,6 +16,7 @@ pub use visit::Visit;
 
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Episode, Gather, Problem, Space, StateOf, ViewOf};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use visit::Kind;
@@ -102,7 +103,7 @@ where
 {
     // Few episodes are long ones. How they are cut must not depend on the threads, because sums do depend on it.
     let shards: Vec<&[usize]> = episodes.chunks((episodes.len() / SHARD).clamp(1, SHARD)).collect();
-    let done: Mutex<Vec<Option<(G, Ledger)>>> = Mutex::new(shards.iter().map(|_| None).collect());
+    let done = Mutex::new(InOrder::default());
     spread(shards.len(), &|take| {
         let mut worker = Worker::new(problem);
         let mut memory = M::default();
@@ -113,16 +114,31 @@ where
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
                 run(&mut worker, &mut memory, episode, &mut gathered);
             }
-            done.lock().unwrap_or_else(PoisonError::into_inner)[shard] = Some((gathered, worker.ledger));
+            done.lock().unwrap_or_else(PoisonError::into_inner).put(shard, gathered, worker.ledger);
         }
     });
-    let mut gathered = G::default();
-    let mut ledger = Ledger::default();
-    for (shard, bill) in done.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten() {
-        gathered.absorb(shard);
-        ledger += bill;
+    let done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    (done.gathered, done.ledger)
+}
+
+/// What shards gathered, put together in their order as far as they are there: the others wait.
+#[derive(Default)]
+struct InOrder<G> {
+    gathered: G,
+    ledger: Ledger,
+    next: usize,
+    waiting: BTreeMap<usize, (G, Ledger)>,
+}
+
+impl<G: Gather> InOrder<G> {
+    fn put(&mut self, shard: usize, gathered: G, bill: Ledger) {
+        self.waiting.insert(shard, (gathered, bill));
+        while let Some((gathered, bill)) = self.waiting.remove(&self.next) {
+            self.gathered.absorb(gathered);
+            self.ledger += bill;
+            self.next += 1;
+        }
     }
-    (gathered, ledger)
 }
 
 /// The numbers of all the problem's episodes.
