@@ -309,11 +309,13 @@ def part_train(sitting):
     if sitting.has["vowpalwabbit"]:
         peers["Vowpal Wabbit, 3 passes"] = sitting.vw_train("dagger.vwm", "--passes", "3", "--search_rollout", "none", "--search_rollin", "learn")
     jobs = {"rollin, 3 rounds, hinge": sitting.train("fast.model", *FAST),
+            "rollin, 3 rounds, hinge, cutoff 2": sitting.train("frequent.model", *FAST, "--cutoff", "2"),
             "rollin, 3 rounds, tolerance 0.3": sitting.train("sure.model", "--rounds", "3", "--tolerance", "0.3"),
             "rollin, 3 rounds, by default": sitting.train("default.model", "--rounds", "3"),
+            "rollin, 3 rounds, by default, cutoff 2": sitting.train("fewer.model", "--rounds", "3", "--cutoff", "2"),
             "rollin, 3 rounds, perceptron": sitting.train("perceptron.model", "--rounds", "3", "--learner", "perceptron")}
     scores = {"Vowpal Wabbit, 3 passes": lambda: sitting.vw_score("dagger.vwm")}
-    for name, model in zip(jobs, ("fast.model", "sure.model", "default.model", "perceptron.model")):
+    for name, model in zip(jobs, ("fast.model", "frequent.model", "sure.model", "default.model", "fewer.model", "perceptron.model")):
         scores[name] = lambda model=model: 100 * sitting.score(model)
     against(sitting, "Training, DAgger-like", peers, {name: lambda job=job: run(job) for name, job in jobs.items()}, scores, 3)
 

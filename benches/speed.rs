@@ -11,7 +11,7 @@ use rollin::policy::{Classifier, Greedy, Linear, Policy};
 use rollin::read::{conll, template::Template};
 use rollin::roll::{self, Actor, Costing, RollOut};
 use rollin::space::{Action, Episode, Features, Imitation, Sight, Silent, Space};
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, Tagging, TaggingProblem};
+use rollin::tasks::tagging::{Encoding, Tagger, Tagging, TaggingProblem};
 use rollin::tasks::{About, AnyClassifier, AnyLearner, Trainer};
 use rollin::trainer::{Dagger, Forward, Run, Searn, Smile, Supervised};
 use rollin::worker::{Ledger, Visit, Worker, all};
@@ -53,7 +53,7 @@ impl Bench {
         };
         corpus.truncate(SENTENCES);
         let text = text_of(&corpus);
-        let (encoding, space) = Encoding::learn(&corpus, LabelColumn::Last, template.clone(), None).expect("features");
+        let (encoding, space) = Encoding::learn(&corpus, template.clone().into()).expect("features");
         let problem = space.problem();
         let policy =
             Dagger::default().train_online(&problem, &Logistic::default(), &Run::new(1)).expect("a policy").policy;
@@ -95,7 +95,7 @@ fn featurise(c: &mut Criterion, bench: &Bench) {
     assert_eq!(read().columns, bench.corpus.columns);
     group.bench_function("read", |b| b.iter(read));
 
-    let learn = || Encoding::learn(&bench.corpus, LabelColumn::Last, bench.template.clone(), None).expect("features").1;
+    let learn = || Encoding::learn(&bench.corpus, bench.template.clone().into()).expect("features").1;
     let naive = || {
         let bound = bench.template.bind(&bench.corpus).expect("columns");
         let (mut numbers, mut hashes, mut rows) = (HashMap::new(), Vec::new(), Vec::new());

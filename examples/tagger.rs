@@ -2,16 +2,16 @@
 
 use rollin::grammar::defaults;
 use rollin::learner::Logistic;
-use rollin::read::{conll, template::Template};
+use rollin::read::conll;
 use rollin::tasks::About;
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger};
+use rollin::tasks::tagging::{Encoding, Settings, Tagger};
 use rollin::trainer::{Dagger, Run};
 use rollin::{Result, Seed};
 
 /// Runs the example.
 pub fn main() -> Result<()> {
     let train = conll::parse(defaults::TRAIN.as_bytes(), "train".as_ref(), 1)?;
-    let (encoding, space) = Encoding::learn(&train, LabelColumn::Last, Template::default_for(1), None)?;
+    let (encoding, space) = Encoding::learn(&train, Settings::default())?;
     let trained = Dagger::default().train_online(&space.problem(), &Logistic::default(), &Run::new(1))?;
     println!("asked the expert {} times", trained.ledger.queries);
     let tagger = Tagger::new(encoding, trained.policy, About::default())?;

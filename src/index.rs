@@ -66,7 +66,7 @@ impl Index {
     #[cold]
     pub(crate) fn rebuild(&mut self, hashes: &[u64], count: usize) {
         self.slots.clear();
-        self.slots.resize((count.max(8) * 4 / 3 + 1).next_power_of_two(), FREE);
+        self.slots.resize((count.max(8) * 4).div_ceil(3).next_power_of_two(), FREE);
         for (number, &hash) in hashes.iter().enumerate() {
             if let Err(place) = self.probe(hash, |_| false) {
                 self.take(place, hash, number as u32);

@@ -5,7 +5,7 @@ use rollin::corpus::Corpus;
 use rollin::policy::{Columns, Greedy, Linear, Weights};
 use rollin::read::{conllu, template::Template};
 use rollin::tasks::parsing;
-use rollin::tasks::tagging::{Encoding, LabelColumn, MOST_LABELS, Tagger};
+use rollin::tasks::tagging::{Encoding, MOST_LABELS, Tagger};
 use rollin::tasks::{About, Model};
 use std::fmt::Write;
 
@@ -25,8 +25,7 @@ fn words() -> Template {
 /// All that a model says of its last label is right, also when it was saved.
 #[test]
 fn as_many_labels_as_can_be() {
-    let (encoding, space) =
-        Encoding::learn(&labels(MOST_LABELS), LabelColumn::Last, words(), None).expect("not one too many");
+    let (encoding, space) = Encoding::learn(&labels(MOST_LABELS), words().into()).expect("not one too many");
     drop(space);
     let last = encoding.labels.last().expect("there are some").clone();
     let mut weights = Weights::new(1, MOST_LABELS);
@@ -42,7 +41,7 @@ fn as_many_labels_as_can_be() {
 #[test]
 fn one_label_more_is_refused_with_its_place() {
     let corpus = labels(MOST_LABELS + 1);
-    let error = Encoding::learn(&corpus, LabelColumn::Last, words(), None).expect_err("one too many");
+    let error = Encoding::learn(&corpus, words().into()).expect_err("one too many");
     assert_eq!(error.to_string(), "<text>:65535:3: one more label, \"L65534\"; expected at most 65534 different ones");
 }
 

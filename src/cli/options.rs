@@ -44,7 +44,7 @@ pub struct Reading {
     /// The moves of a parser [default: arc-hybrid]
     #[arg(long, value_enum, value_name = "NAME")]
     pub system: Option<SystemName>,
-    /// Leave out features of a parser seen fewer times [default: 2]
+    /// Leave out features that are seen fewer times, in tagging those of the words alone [default: parsing 2, tagging 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     pub cutoff: Option<u8>,
     /// The side of the largest square patch of pixels that a reader of letters sees, 1 to 3 [default: 1]
@@ -178,7 +178,7 @@ impl Reading {
             ("--order", "tagging", self.order.is_some()),
             ("--repair", "tagging", self.repair),
             ("--system", "parsing", self.system.is_some()),
-            ("--cutoff", "parsing", self.cutoff.is_some()),
+            ("--cutoff", "tagging parsing", self.cutoff.is_some()),
             ("--patch", "ocr", self.patch.is_some()),
             ("--history", "ocr", self.history.is_some()),
             ("--rest", "ocr", self.rest),

@@ -125,6 +125,7 @@ impl Verbs for tagging::Encoding {
             template: Some(options.template(data)?),
             labels: options.labels(),
             order: options.mending().order,
+            cutoff: options.cutoff.unwrap_or_default(),
         })
     }
 

@@ -23,13 +23,12 @@ pub struct Share {
 ///
 /// ```
 /// use rollin::learner::Logistic;
-/// use rollin::read::template::Template;
 /// use rollin::tasks::Model;
-/// use rollin::tasks::tagging::{Encoding, LabelColumn, doc};
+/// use rollin::tasks::tagging::{Encoding, Settings, doc};
 /// use rollin::trainer::{Dagger, Run};
 ///
 /// let corpus = doc::corpus()?;
-/// let (encoding, space) = Encoding::learn(&corpus, LabelColumn::Last, Template::default_for(1), None)?;
+/// let (encoding, space) = Encoding::learn(&corpus, Settings::default())?;
 /// let trained = Dagger::default().train(&space.problem(), &Logistic::default(), &Run::new(1))?;
 /// let model = Model::new(encoding, trained.policy, Default::default())?;
 /// let seed = rollin::Seed::new(1);

@@ -4,7 +4,7 @@ use super::{CHUNKS, Folder, TAGS};
 use rollin::Seed;
 use rollin::policy::Reading;
 use rollin::read::{conll, template::Template};
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger};
+use rollin::tasks::tagging::{Encoding, Tagger};
 use rollin::tasks::{About, AnyLearner, Learned, Model, Task, Trainer};
 use rollin::trainer::{Keeping, Run};
 use serde_json::Value;
@@ -15,7 +15,7 @@ fn tagger(template: &str, trainer: &str, learner: &str) -> Tagger {
     let template = Template::parse(template, "template".as_ref()).expect("a template");
     let trainer: Trainer = serde_json::from_str(trainer).expect("a trainer");
     let learner: AnyLearner = serde_json::from_str(learner).expect("a learner");
-    let (encoding, space) = Encoding::learn(&corpus, LabelColumn::Last, template, None).expect("learned");
+    let (encoding, space) = Encoding::learn(&corpus, template.into()).expect("learned");
     let train = |problem: &_, run: &Run<'_, Keeping>| trainer.train(problem, &learner, run);
     let trained = Encoding::train(&space.problem(), &Run::new(1).kept(None), &train).expect("trained");
     Model::new(encoding, trained.policy.read_as(Reading::Mean), About::default()).expect("few features")

@@ -4,7 +4,7 @@ use crate::common::{Labels, encoded, learners, sample, trainers};
 use rollin::Result;
 use rollin::learner::Net;
 use rollin::read::template::Template;
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, TaggingProblem};
+use rollin::tasks::tagging::{Encoding, Tagger, TaggingProblem};
 use rollin::tasks::{About, AnyLearner, Trainer};
 use rollin::tasks::{Learned, Task};
 use rollin::trainer::{Checkpoint, Keeping, Progress, Reuse, Run, Smile, Trained};
@@ -74,7 +74,7 @@ fn every_trainer_goes_on_with_every_learner() {
 fn two_readings_go_on() {
     let sentences = crate::common::corpus(&sample(Labels::Free(3), 10));
     let template = Template::parse("U1:%x[0,0]\nU2:%y[-1]\nU3:%y[1]\n", Path::new("template")).expect("a template");
-    let (encoding, space) = Encoding::learn(&sentences, LabelColumn::Last, template, None).expect("features");
+    let (encoding, space) = Encoding::learn(&sentences, template.into()).expect("features");
     let (problem, learner) = (space.problem(), &learners()[1]);
     for trainer in trainers().into_iter().filter(|trainer| !matches!(trainer, Trainer::Stacked(_))) {
         let train = |run: &Run<'_, Keeping>| {

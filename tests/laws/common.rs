@@ -9,7 +9,7 @@ use rollin::learner::{CrammerSinger, Csoaa, FilterTree, Hinge, Logistic, Percept
 use rollin::policy::Classifier;
 use rollin::read::template::Template;
 use rollin::space::{Action, CostToGo, Episode, Features, Imitation, Problem, Sight, Space};
-use rollin::tasks::tagging::{Encoding, LabelColumn, TaggingProblem};
+use rollin::tasks::tagging::{Encoding, TaggingProblem};
 use rollin::tasks::{AnyLearner, Trainer};
 use rollin::trainer::{
     Aggrevate, Cpi, Dagger, EarlyUpdate, Forward, Lols, Rate, Schedule, Searn, Smile, Stacking, Supervised,
@@ -109,7 +109,7 @@ pub fn template() -> Template {
 }
 
 pub fn encoded(sentences: &Sentences) -> (Encoding, TaggingProblem) {
-    let learned = Encoding::learn(&corpus(sentences), LabelColumn::Last, template(), None);
+    let learned = Encoding::learn(&corpus(sentences), template().into());
     let (encoding, space) = learned.expect("the corpus is in order");
     (encoding, space.problem())
 }

@@ -4,7 +4,7 @@ use crate::common::{any_corpora, fixed, problem};
 use proptest::prelude::*;
 use rollin::Seed;
 use rollin::space::{Action, CostToGo, Episode, Expert, Imitation, Space};
-use rollin::tasks::tagging::{Encoding, Gold, LabelColumn, Order, Position, Tagging};
+use rollin::tasks::tagging::{Encoding, Gold, Order, Position, Settings, Tagging};
 
 /// Visits every state that any legal labels lead to, and returns the cost of the best completion.
 fn best(space: &Tagging, state: &Position, each: &mut impl FnMut(&Position, &[f64])) -> f64 {
@@ -108,11 +108,15 @@ fn a_broken_span_is_begun_anew() {
 fn free_labels_cost_one_each() {
     let sentences = vec![vec![("a".into(), "I-NP".into()), ("b".into(), "O".into())]];
     let corpus = crate::common::corpus(&sentences);
-    let learned = Encoding::learn(&corpus, LabelColumn::Last, crate::common::template(), Some(Order::Free));
+    let learn = |order| {
+        let settings = Settings { order: Some(order), ..crate::common::template().into() };
+        Encoding::learn(&corpus, settings)
+    };
+    let learned = learn(Order::Free);
     let (_, space) = learned.unwrap();
     let mut costs = Vec::new();
     Gold.costs(&space, &start(&space, 0), &mut costs);
     assert_eq!((Gold.action(&space, &start(&space, 0)), costs), (Some(Action(0)), vec![0.0, 1.0]));
     // Asked to hold such labels to IOB2, the encoding refuses.
-    assert!(Encoding::learn(&corpus, LabelColumn::Last, crate::common::template(), Some(Order::Bio)).is_err());
+    assert!(learn(Order::Bio).is_err());
 }

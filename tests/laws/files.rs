@@ -4,7 +4,7 @@ use crate::common::{Labels, any_corpora, corpus, encoded, fixed, learners, sampl
 use proptest::prelude::*;
 use rollin::policy::{Greedy, Reading};
 use rollin::read::template::Template;
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, doc};
+use rollin::tasks::tagging::{Encoding, Tagger, doc};
 use rollin::tasks::{About, AnyLearner, Learned, Trainer};
 use rollin::trainer::{EarlyUpdate, Forward, Run, Smile, Stacking};
 use rollin::{Purpose, Seed};
@@ -59,7 +59,7 @@ proptest! {
 /// A small model of each shape: 700 to 1,500 bytes.
 fn small_models() -> Vec<Vec<u8>> {
     let template = Template::parse("U:%x[0,0]\nB\n", "tiny".as_ref()).unwrap();
-    let (encoding, space) = Encoding::learn(&doc::corpus().unwrap(), LabelColumn::Last, template, None).unwrap();
+    let (encoding, space) = Encoding::learn(&doc::corpus().unwrap(), template.into()).unwrap();
     let problem = space.problem();
     let AnyLearner::Perceptron(learner) = &learners()[0] else { unreachable!() };
     let smile = Smile { rounds: 2, ..Smile::default() }.train(&problem, learner, &Run::new(1)).unwrap();

@@ -7,6 +7,7 @@ mod arguments;
 mod bills;
 mod checkpoints;
 mod common;
+mod cutoffs;
 mod experts;
 mod files;
 mod flaws;

@@ -7,7 +7,7 @@ use rollin::Seed;
 use rollin::corpus::Corpus;
 use rollin::score::{Scheme, Score};
 use rollin::tasks::About;
-use rollin::tasks::tagging::{Encoding, LabelColumn, Order, Tagger, illegal, repair};
+use rollin::tasks::tagging::{Encoding, Order, Settings, Tagger, illegal, repair};
 use rollin::trainer::Run;
 
 /// Spans of two types by their lengths, 0 for a token outside, spelled in BILOU or IOBES.
@@ -142,14 +142,14 @@ fn spans_are_scored_by_every_spelling() {
 fn what_breaks_an_order_is_refused_with_its_line() {
     let broken =
         corpus(&vec![spelled(&[vec![(1, 0), (2, 0)]], ["L", "U"])[0].clone(), vec![("w".into(), "B-X".into())]]);
-    let learn = |order| Encoding::learn(&broken, LabelColumn::Last, template(), order);
+    let learn = |order| Encoding::learn(&broken, Settings { order, ..template().into() });
     let error = learn(Some(Order::Bilou)).unwrap_err().to_string();
     assert_eq!(error, "random:5:3: label B-X; expected a label that may stand there by bilou, as --repair makes it");
     assert_eq!(learn(None).unwrap().0.transitions.order(), Order::Free);
     let mut mended = broken.clone();
     let told = repair(&mut mended, 1, None).unwrap();
     assert_eq!(told.iter().map(ToString::to_string).collect::<Vec<_>>(), ["random:5:3: B-X is now U-X"]);
-    let (encoding, _) = Encoding::learn(&mended, LabelColumn::Last, template(), None).unwrap();
+    let (encoding, _) = Encoding::learn(&mended, template().into()).unwrap();
     assert_eq!((encoding.transitions.order(), encoding.labels.len()), (Order::Bilou, 3));
     // Only spans can be spelled anew.
     let mut other = corpus(&vec![vec![("a".into(), "I-X".into()), ("b".into(), "N".into())]]);

@@ -5,7 +5,7 @@ use rollin::learner::Logistic;
 use rollin::read::{conll, template::Template};
 use rollin::roll::perform;
 use rollin::space::{Action, Space};
-use rollin::tasks::tagging::{Encoding, LabelColumn, Tagger, Tagging};
+use rollin::tasks::tagging::{Encoding, Tagger, Tagging};
 use rollin::tasks::{About, AnyLearner, Learned, Task, Trainer};
 use rollin::trainer::{Dagger, Keeping, Run, Smile, Trained};
 use rollin::{Result, Seed};
@@ -26,7 +26,7 @@ const AHEAD: &str = "U1:%x[0,0]\nU2:%y[-1]\nU3:%y[0]\nU4:%y[0]|%y[1]\n";
 
 fn learn(corpus: &Corpus, template: &str) -> (Encoding, Tagging) {
     let template = Template::parse(template, Path::new("template")).expect("a template");
-    Encoding::learn(corpus, LabelColumn::Last, template, None).expect("features")
+    Encoding::learn(corpus, template.into()).expect("features")
 }
 
 fn train(space: &Tagging, trainer: &Trainer) -> Result<Trained<Learned>> {

@@ -13,7 +13,7 @@ fn new_features_change_nothing_by_themselves() {
     let test = Corpus::parse(rollin::grammar::defaults::TEST).expect("a corpus");
     for template in ["U:%x[0,0]\nB\n", "U:%x[0,0]/%x[-1,0]\nB:%x[0,0]\nU:%y[-2]/%y[-1]\nU:%x[1,0]/%y[-1]\n"] {
         let template = Template::parse(template, "template".as_ref()).expect("a template");
-        let settings = tagging::Settings { template: Some(template), ..tagging::Settings::default() };
+        let settings = tagging::Settings::from(template);
         for learner in [AnyLearner::default(), AnyLearner::Net(Default::default())] {
             let recipe = Recipe { learner, ..Recipe::default() };
             let before: Tagger = recipe.train(&first, settings.clone()).expect("a tagger");

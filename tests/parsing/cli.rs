@@ -72,7 +72,16 @@ fn refusals() {
     );
     says("evaluate --model m --data n.conllu --label-column 2", "", "--label-column is given");
     says("train --task parsing --data t.conllu --model x --order free", "", "--order is given");
-    says("train --data t.conllu --model x --cutoff 2", "", "--cutoff is given, but must be left out: tagging has no");
+    says(
+        "train --data t.conllu --model x --system arc-hybrid",
+        "",
+        "--system is given, but must be left out: tagging has no",
+    );
+    says(
+        "train --task ocr --data t.conllu --model x --cutoff 2",
+        "",
+        "--cutoff is given, but must be left out: ocr has no",
+    );
     says("compare --task parsing", "", "--data is left out, but must be given");
     assert!(!folder.path().join("x").exists());
 }

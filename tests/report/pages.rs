@@ -261,7 +261,7 @@ fn what_cannot_be_written_is_refused_first() {
 fn weights_are_those_that_are_trained() {
     let corpus: Corpus = conll::parse(b"a A\nb B\n\nb B\na A\n", "<test>".as_ref(), 1).expect("a corpus");
     let template = rollin::read::template::Template::default_for(1);
-    let settings = tagging::Settings { template: Some(template), ..tagging::Settings::default() };
+    let settings = tagging::Settings::from(template);
     let (_, problem) = <tagging::Encoding as Task>::learn(&corpus, settings).expect("it can be learned from");
     let learner = AnyLearner::Perceptron(rollin::learner::Perceptron::default());
     for trainer in [

@@ -222,7 +222,10 @@ impl Task for Spans {
         labels.values.intern(OUTSIDE);
         let mut spelled = corpus.clone();
         spelled.columns[column] = labels;
-        let (base, tagging) = Encoding::learn(&spelled, LabelColumn::At(column), settings.template, Some(Order::Free))?;
+        let order = Some(Order::Free);
+        let base =
+            tagging::Settings { labels: LabelColumn::At(column), order, ..tagging::Settings::from(settings.template) };
+        let (base, tagging) = Encoding::learn(&spelled, base)?;
         let mut longest = vec![1; base.labels.len()];
         let mut gold: Vec<u32> = tagging.gold().iter().map(|label| code(*label, false)).collect();
         for (start, end, _) in spans {

@@ -1,9 +1,9 @@
 //! A small corpus for the examples in this documentation.
 
-use super::{Encoding, LabelColumn, TaggingProblem};
+use super::{Encoding, Settings, TaggingProblem};
 use crate::corpus::Corpus;
 use crate::error::Result;
-use crate::read::{conll, template::Template};
+use crate::read::conll;
 
 /// Four sentences of two columns: words and their labels.
 pub const CORPUS: &str = "the D\nold A\nman N\nsleeps V\n\nthe D\nold N\nman V\nthe D\nboats N\n\n\
@@ -22,6 +22,6 @@ pub fn corpus() -> Result<Corpus> {
 /// # Errors
 /// None.
 pub fn problem() -> Result<TaggingProblem> {
-    let (_, space) = Encoding::learn(&corpus()?, LabelColumn::Last, Template::default_for(1), None)?;
+    let (_, space) = Encoding::learn(&corpus()?, Settings::default())?;
     Ok(space.problem())
 }

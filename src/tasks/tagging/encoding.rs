@@ -1,6 +1,7 @@
 //! From the words of a corpus to the numbers of a [`Tagging`] space, and the dictionaries that make the same numbers of another corpus.
 
 use super::space::{HistoryLine, NO_CONTEXT, Reading, Tagging};
+use super::task::Settings;
 use super::transitions::{Order, Transitions};
 use crate::corpus::Corpus;
 use crate::error::{Error, Result};
@@ -11,6 +12,9 @@ use std::sync::Arc;
 
 /// Labels are counted in 16 bits, one of which stands for the begin mark.
 pub const MOST_LABELS: usize = u16::MAX as usize - 1;
+
+/// Room for as many features is made before any is seen: 6 MB.
+const MOST_FORESEEN: usize = 3 << 17;
 
 /// Numbers of 64-bit hashes, in the order of their first occurrence.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +33,13 @@ impl Dictionary {
             dictionary.intern(key);
         }
         (dictionary.len() == count).then_some(dictionary)
+    }
+
+    /// An empty dictionary with room for what may be in `corpus`, if that is not too much.
+    fn for_corpus(corpus: &Corpus) -> Self {
+        let mut dictionary = Dictionary::default();
+        dictionary.index.rebuild(&[], (3 * corpus.tokens() / 2).min(MOST_FORESEEN));
+        dictionary
     }
 
     /// How many keys there are.
@@ -123,17 +134,20 @@ impl LabelColumn {
 impl Encoding {
     /// Learns the labels and features of `corpus`, and gives it in numbers.
     ///
-    /// With no `order` given, labels that look like IOB2 or BILOU and follow its rule everywhere are held to it.
-    ///
     /// # Errors
-    /// When a column is missing that the labels or the template need, there are too many labels, or the labels break the `order` that is asked for.
-    pub fn learn(
-        corpus: &Corpus,
-        labels: LabelColumn,
-        template: Template,
-        order: Option<Order>,
-    ) -> Result<(Encoding, Tagging)> {
+    /// When a column is missing that the labels or the template need, there are too many labels, the labels break the order that is asked for, or there is
+    /// no column before them and no template that says what to look at.
+    pub fn learn(corpus: &Corpus, settings: Settings) -> Result<(Encoding, Tagging)> {
+        let Settings { template, labels, order, cutoff } = settings;
         let label_column = labels.in_corpus(corpus)?;
+        let template = match (template, label_column) {
+            (Some(template), _) => template,
+            (None, 0) => {
+                let expected = "above 0, or come with a template: the default one looks at the columns before it";
+                return Err(Error::argument("label column", 0, expected));
+            }
+            (None, columns) => Template::default_for(columns),
+        };
         let column = &corpus.columns[label_column];
         let mut names: Vec<String> = column.values.iter().map(String::from).collect();
         names.sort_unstable();
@@ -170,11 +184,14 @@ impl Encoding {
             labels: names,
             label_column,
             transitions: Arc::new(transitions),
-            features: Dictionary::default(),
+            features: Dictionary::for_corpus(corpus),
             history: [].into(),
         };
         let Encoding { features, contexts, template, .. } = &mut encoding;
-        let rows = read(template, corpus, |hash| features.intern(hash), |line, hash| contexts[line].intern(hash))?;
+        let mut rows = read(template, corpus, |hash| features.intern(hash), |line, hash| contexts[line].intern(hash))?;
+        if cutoff > 1 {
+            *features = rows.cut(features.keys(), cutoff);
+        }
         encoding.number_history()?;
         let space = encoding.space(corpus, rows, gold);
         Ok((encoding, space))
@@ -275,6 +292,29 @@ struct Rows {
     contexts: Vec<u32>,
 }
 
+impl Rows {
+    /// Leaves out the features, which are those of `keys`, that stand here fewer than `cutoff` times; returns the others, which keep their order.
+    fn cut(&mut self, keys: &[u64], cutoff: u8) -> Dictionary {
+        let mut numbers = vec![0; keys.len()];
+        self.ids.iter().for_each(|id| numbers[*id as usize] += 1);
+        let mut kept = Dictionary::default();
+        for (number, key) in numbers.iter_mut().zip(keys) {
+            *number = if *number < u32::from(cutoff) { ABSENT } else { kept.intern(*key) };
+        }
+        let (mut from, mut to) = (0, 0);
+        for end in &mut self.starts[1..] {
+            for i in from..*end {
+                let number = numbers[self.ids[i] as usize];
+                self.ids[to] = number;
+                to += usize::from(number != ABSENT);
+            }
+            (from, *end) = (*end, to);
+        }
+        self.ids.truncate(to);
+        kept
+    }
+}
+
 /// The rows of `corpus`: each hash that the template makes is looked up by `feature`, which may find nothing, or, for a history
 /// line, `context`.
 fn read(
@@ -296,7 +336,11 @@ fn read(
         let width = template.observations();
         let known = numbered.observe(&sentence, |_, hash| feature(hash));
         for token in 0..sentence.len() {
-            rows.ids.extend(known[token * width..(token + 1) * width].iter().filter(|number| **number != ABSENT));
+            let row = &known[token * width..(token + 1) * width];
+            match row.contains(&ABSENT) {
+                true => rows.ids.extend(row.iter().filter(|number| **number != ABSENT)),
+                false => rows.ids.extend_from_slice(row),
+            }
             rows.starts.push(rows.ids.len());
         }
         rows.contexts.extend_from_slice(numbered.contexts(&sentence, &mut context));

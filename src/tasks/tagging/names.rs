@@ -78,7 +78,6 @@ mod tests {
     use crate::read::conll;
     use crate::read::template::Template;
     use crate::space::{Episode, Features, Space};
-    use crate::tasks::tagging::LabelColumn;
     use proptest::prelude::*;
 
     #[test]
@@ -95,7 +94,7 @@ mod tests {
             let corpus = conll::parse(lines.as_bytes(), "c".as_ref(), 1)?;
             let text = "U0:%x[0,0]\nU1:%x[-1,0]\nB\n*2:%x[0,0]\nU3:%y[-2]/%x[0,0]/%y[-1]\n";
             let template = Template::parse(text, "t".as_ref())?;
-            let (encoding, space) = Encoding::learn(&corpus, LabelColumn::Last, template, None)?;
+            let (encoding, space) = Encoding::learn(&corpus, template.into())?;
             let names = encoding.feature_names(&corpus)?;
             let seed = crate::seed::Seed::new(1);
             let (mut state, mut view) = (space.start(Episode { index: 0, seed }), Features::default());

@@ -26,8 +26,17 @@ pub struct Settings {
     pub template: Option<Template>,
     /// The column with the labels.
     pub labels: LabelColumn,
-    /// Which label may follow which; by default what the labels suggest.
+    /// Which label may follow which; by default labels that look like IOB2 or BILOU and follow its rule everywhere are held to it.
     pub order: Option<Order>,
+    /// Features of the words alone that are seen fewer times in training are left out; those of labels before stay.
+    pub cutoff: u8,
+}
+
+/// This template, and for the rest what is usual.
+impl From<Template> for Settings {
+    fn from(template: Template) -> Self {
+        Settings { template: Some(template), ..Settings::default() }
+    }
 }
 
 /// What a model file says of a tagger.
@@ -40,18 +49,6 @@ pub struct Header {
     order: Order,
     features: usize,
     contexts: Vec<usize>,
-}
-
-/// How many columns the default template may look at: those before the labels.
-fn before_labels(corpus: &Corpus, labels: LabelColumn) -> Result<usize> {
-    match labels.in_corpus(corpus)? {
-        0 => Err(Error::argument(
-            "label column",
-            0,
-            "above 0, or come with a template: the default one looks at the columns before it",
-        )),
-        columns => Ok(columns),
-    }
 }
 
 impl Task for Encoding {
@@ -78,11 +75,7 @@ impl Task for Encoding {
     }
 
     fn learn(corpus: &Corpus, settings: Settings) -> Result<(Self, Imitation<Tagging, Gold>)> {
-        let template = match settings.template {
-            Some(template) => template,
-            None => Template::default_for(before_labels(corpus, settings.labels)?),
-        };
-        let (encoding, space) = Encoding::learn(corpus, settings.labels, template, settings.order)?;
+        let (encoding, space) = Encoding::learn(corpus, settings)?;
         Ok((encoding, space.problem()))
     }
 
