@@ -7,24 +7,24 @@ use rollin::space::{Episode, Features, Space};
 use rollin::tasks::tagging::Settings;
 use std::collections::HashMap;
 
-/// The names of the features of each token, static ones and all, when the right labels are given.
+/// The names of the features of each token when the right labels are given: the static ones, and those of labels before.
 fn seen(corpus: &Corpus, cutoff: u8) -> [Vec<Vec<String>>; 2] {
     let (encoding, space) =
         tagging::Encoding::learn(corpus, Settings { cutoff, ..template().into() }).expect("features");
     let names = encoding.feature_names(corpus).expect("the same columns");
     let name = |feature: &u32| names(*feature).expect("it occurs");
-    let [mut fixed, mut all] = [Vec::new(), Vec::new()];
+    let [mut fixed, mut dynamic] = [Vec::new(), Vec::new()];
     let mut view = Features::default();
     for (index, sentence) in (0..corpus.sentences()).map(|i| (i, corpus.sentence(i))) {
         let mut state = space.start(Episode { index, seed: rollin::Seed::new(1) });
         for token in sentence {
             space.look(&state, &mut view);
             fixed.push(space.shared().row(view.row).iter().map(name).collect::<Vec<_>>());
-            all.push(view.dynamic.iter().map(name).collect());
+            dynamic.push(view.dynamic.iter().map(name).collect());
             space.step(&mut state, Action(space.gold()[token]), rollin::Seed::new(1));
         }
     }
-    [fixed, all]
+    [fixed, dynamic]
 }
 
 proptest! {

@@ -112,8 +112,7 @@ fn free_labels_cost_one_each() {
         let settings = Settings { order: Some(order), ..crate::common::template().into() };
         Encoding::learn(&corpus, settings)
     };
-    let learned = learn(Order::Free);
-    let (_, space) = learned.unwrap();
+    let (_, space) = learn(Order::Free).unwrap();
     let mut costs = Vec::new();
     Gold.costs(&space, &start(&space, 0), &mut costs);
     assert_eq!((Gold.action(&space, &start(&space, 0)), costs), (Some(Action(0)), vec![0.0, 1.0]));
