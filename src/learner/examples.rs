@@ -61,6 +61,14 @@ impl<V: View> Examples<V> {
         }
     }
 
+    /// Forgets them all, but not what was legal in them: the same is likely to be so in the next.
+    pub(crate) fn clear(&mut self) {
+        self.views = Default::default();
+        self.legal.clear();
+        self.targets.clear();
+        self.costs.clear();
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.targets.len()

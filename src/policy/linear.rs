@@ -251,10 +251,7 @@ impl LinearMemory {
 /// The legal action with the highest score, the lowest of equals, and how far the others can come up without beating it, however their sums are
 /// rounded: the further one is behind, the more rounding may do, but less than that.
 fn decide(legal: Actions<'_>, scores: &[f32]) -> (Action, f32) {
-    let best = legal.best(scores);
-    let high = scores[best.index()];
-    let others = legal.iter().filter(|a| *a != best).map(|a| scores[a.index()]);
-    let second = others.fold(f32::NEG_INFINITY, f32::max);
+    let (best, high, second) = legal.best_two_by(|a| scores[a.index()]);
     (best, (high - second) * (1.0 - ROUNDING) - ROUNDING * high.abs())
 }
 

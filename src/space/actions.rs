@@ -83,27 +83,63 @@ impl<'a> Actions<'a> {
     /// The same by what `score` says.
     #[inline]
     pub(crate) fn best_by(self, score: impl Fn(Action) -> f32) -> Action {
-        // Score and action in one number: which of two is greater needs no branch, and nothing is guessed wrong.
-        let key = |a: u32| (i64::from(ordered(score(Action(a)))) << 32) | i64::from(!a);
-        let best = match self {
-            Actions::All(n) => (0..n).map(key).max(),
-            Actions::Only(list) => list.iter().map(|a| key(a.0)).max(),
-        };
-        Action(best.map_or(0, |key| !(key as u32)))
+        self.best_two_by(score).0
     }
-}
 
-/// A number that is greater where `score` is, and least where it is not a number.
-#[inline]
-fn ordered(score: f32) -> i32 {
-    // Adding zero makes one of both zeros.
-    let bits = (score + 0.0).to_bits() as i32;
-    if score.is_nan() { i32::MIN } else { bits ^ ((bits >> 31) as u32 >> 1) as i32 }
+    /// The same action and its score, and the highest score of all others: negative infinity where there are none, and no less than what it is where some
+    /// cannot be compared.
+    #[inline]
+    pub(crate) fn best_two_by(self, score: impl Fn(Action) -> f32) -> (Action, f32, f32) {
+        let (mut best, mut high, mut second) = (Action(0), f32::NEG_INFINITY, f32::NEG_INFINITY);
+        // Written so that it takes no branch, and nothing is guessed wrong.
+        let mut meet = |a: Action| {
+            let score = score(a);
+            let lower = if score < high { score } else { high };
+            second = if lower > second { lower } else { second };
+            best = if score > high { a } else { best };
+            high = if score > high { score } else { high };
+        };
+        match self {
+            Actions::All(n) => (0..n).for_each(|a| meet(Action(a))),
+            Actions::Only(list) => list.iter().for_each(|a| meet(*a)),
+        }
+        if high == f32::NEG_INFINITY && !self.is_empty() {
+            best = self.iter().find(|a| score(*a) == high).unwrap_or(self.nth(0));
+            high = score(best);
+        }
+        (best, high, second)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The best, its score and the next best score are those of a list in order, for scores of any kind.
+        #[test]
+        fn best_two_are_those_of_a_list_in_order(
+            legal in prop::collection::btree_set(0..40u32, 1..40),
+            scores in prop::collection::vec(
+                prop_oneof![-2..3i8, Just(99), Just(-99)].prop_map(|n| match n { 99 => f32::NAN, -99 => f32::NEG_INFINITY, n => f32::from(n) }),
+                40,
+            ),
+            all: bool,
+        ) {
+            let list: Vec<Action> = legal.iter().map(|a| Action(*a)).collect();
+            let legal = if all { Actions::All(list.len() as u32) } else { Actions::Only(&list) };
+            // Those that cannot be compared come last; of equals the lowest comes first.
+            let mut ranked: Vec<Action> = legal.iter().collect();
+            let score = |a: Action| scores[a.index()];
+            ranked.sort_by(|a, b| score(*a).is_nan().cmp(&score(*b).is_nan()).then(score(*b).partial_cmp(&score(*a)).unwrap_or(a.cmp(b))));
+            let (best, high, second) = legal.best_two_by(score);
+            prop_assert_eq!((best, high.to_bits()), (ranked[0], score(ranked[0]).to_bits()));
+            let next = ranked.get(1).map_or(f32::NEG_INFINITY, |a| score(*a)).max(f32::NEG_INFINITY);
+            prop_assert!(second >= next);
+            prop_assert!(second == next || legal.iter().any(|a| score(a).is_nan()));
+        }
+    }
 
     #[test]
     fn ties_go_to_the_lowest() {

@@ -2,7 +2,7 @@
 
 use super::{Aggregate, Book, Keeper, Run, Shuffled, Trained, check_chance, check_rounds};
 use crate::error::Result;
-use crate::learner::{Learner, Online, Setting};
+use crate::learner::{Examples, Learner, Online, Setting};
 use crate::policy::{Greedy, Policy};
 use crate::roll::{Actor, Costing, Mixed, Round, record_costs};
 use crate::seed::Purpose;
@@ -135,16 +135,17 @@ impl Lols {
         let setting = Setting::of(problem);
         let mut course = book.resume(learner.begin(setting, None))?;
         let mut episodes = Shuffled::after(book.done(), problem, run.seed);
-        let mut scratch = Scratch::default();
+        let (mut scratch, mut examples) = (Scratch::default(), Examples::default());
         while let Some(i) = book.next(self.rounds) {
             let seed = run.seed.child(Purpose::Round, i as u64);
             let (mut worker, mut sums) = (Worker::new(problem), Haul::<P>::default());
             for index in episodes.next() {
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
-                let mut haul = Haul::default();
+                let mut haul = Haul { round: Round { examples, cost: 0.0 }, ..Haul::default() };
                 self.episode(&mut worker, &Greedy(&course), episode, &mut scratch, &mut haul);
-                let examples = std::mem::take(&mut haul.round.examples);
+                examples = std::mem::take(&mut haul.round.examples);
                 learner.study(&mut course, setting, &examples); // pihat_{i+1} <- Train(pihat_i, Gamma)
+                examples.clear();
                 sums.absorb(haul);
             }
             book.bill(((), worker.ledger()));

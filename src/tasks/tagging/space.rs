@@ -221,19 +221,21 @@ impl Tagging {
     /// that none need be.
     fn detour(&self, state: &Position, previous: u32) -> u32 {
         let (next, end) = (state.token + 1, state.token + state.left);
-        if self.transitions.order() == Order::Free || next == end {
+        let right = |previous: u32, at: u32| self.transitions.allows(previous, self.gold[at as usize], end - at);
+        let after = |previous: u32, at: u32| self.transitions.after(previous, end - at).iter().map(|a| a.0);
+        if self.transitions.order() == Order::Free || next == end || right(previous, next) {
             return 0;
         }
-        if self.transitions.allows(previous, self.gold[next as usize], end - next) {
-            return 0;
+        // Mostly one wrong label leads back.
+        if next + 1 == end || after(previous, next).any(|y| right(y, next + 1)) {
+            return 1;
         }
         let mut front = vec![previous];
         for at in next..end {
-            let gold = self.gold[at as usize];
-            if front.iter().any(|y| self.transitions.allows(*y, gold, end - at)) {
+            if front.iter().any(|y| right(*y, at)) {
                 return at - next;
             }
-            front = front.iter().flat_map(|y| self.transitions.after(*y, end - at).iter().map(|a| a.0)).collect();
+            front = front.iter().flat_map(|y| after(*y, at)).collect();
             front.sort_unstable();
             front.dedup();
         }
