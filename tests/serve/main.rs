@@ -208,6 +208,17 @@ fn what_has_come_is_answered_before_the_end() {
     assert!(server.process.wait().expect("it ends").success());
 }
 
+#[test]
+fn signals_are_heard_as_soon_as_the_address_is_known() {
+    let folder = folder();
+    for _ in 0..5 {
+        let mut server = Server::start(folder.path(), "--model m");
+        signal(&server, "HUP");
+        signal(&server, "TERM");
+        assert!(server.process.wait().expect("it ends").success());
+    }
+}
+
 /// A sentence is typed, its labels come, and a click tells why.
 #[test]
 fn the_page_works_in_a_browser() {

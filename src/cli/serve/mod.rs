@@ -55,7 +55,10 @@ pub struct Serve {
     connections: u32,
 }
 
-/// How long requests in progress may take after the end was asked for.
+/// How long after the end was asked for those who were at the door by then are let in and heard. A connection of which nothing was read is closed when the
+/// others are told to finish, even if its request has come.
+const MOMENT: Duration = Duration::from_millis(100);
+/// How long requests in progress may take after that.
 const FAREWELL: Duration = Duration::from_secs(30);
 
 impl Serve {
@@ -85,14 +88,20 @@ impl Serve {
     /// Answers until the end is asked for, and then what has come.
     async fn serve(&self, app: App) -> Result<()> {
         let refused = |error| Error::io("listen on", self.listen.to_string(), error);
+        let app = Arc::new(app);
+        // Whoever knows the address may send a signal at once.
+        let unheard = |error| Error::io("listen for", "signals", error);
+        let end = asked_to_end().map_err(unheard)?;
+        tokio::spawn(reload_on_hangup(app.clone()).map_err(unheard)?);
+        let mut end = std::pin::pin!(async {
+            end.await;
+            tokio::time::sleep(MOMENT).await;
+        });
         let listener = TcpListener::bind(self.listen).await.map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         print(&format!("listening on http://{address}\n"))?;
-        let app = Arc::new(app);
         let seats = Arc::new(Semaphore::new(self.connections as usize));
         let graceful = GracefulShutdown::new();
-        tokio::spawn(reload_on_hangup(app.clone()));
-        let mut end = std::pin::pin!(asked_to_end());
         let welcome = |stream: TcpStream, seat| {
             let connection = graceful.watch(self.connection(stream, app.clone()));
             tokio::spawn(async move {
@@ -114,12 +123,6 @@ impl Serve {
                     Err(_) => tokio::time::sleep(Duration::from_millis(10)).await,
                 },
             }
-        }
-        // Whoever was at the door is let in.
-        while let Ok(seat) = seats.clone().try_acquire_owned()
-            && let Ok(Ok((stream, _))) = tokio::time::timeout(Duration::ZERO, listener.accept()).await
-        {
-            welcome(stream, Ok(seat));
         }
         drop(listener);
         // What is still unanswered then will not be.
@@ -153,36 +156,41 @@ fn token(path: &std::path::Path) -> Result<String> {
     }
 }
 
-/// Done when SIGTERM or SIGINT comes.
-async fn asked_to_end() {
+/// Done when SIGTERM or SIGINT comes, which are heard from the call on.
+fn asked_to_end() -> std::io::Result<impl Future<Output = ()>> {
     #[cfg(unix)]
     {
         use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
+        let (mut terminate, mut interrupt) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+        Ok(async move {
             tokio::select! {
                 _ = terminate.recv() => {}
-                _ = tokio::signal::ctrl_c() => {}
+                _ = interrupt.recv() => {}
             }
-            return;
-        }
+        })
     }
-    let _ = tokio::signal::ctrl_c().await;
+    #[cfg(not(unix))]
+    Ok(async {
+        let _ = tokio::signal::ctrl_c().await;
+    })
 }
 
-/// Reads the model file again whenever SIGHUP comes; what is wrong with it is said on standard error, and the model stays.
-async fn reload_on_hangup(app: Arc<App>) {
+/// Reads the model file again whenever SIGHUP comes, which is heard from the call on; what is wrong with it is said on standard error, and the model stays.
+fn reload_on_hangup(app: Arc<App>) -> std::io::Result<impl Future<Output = ()>> {
     #[cfg(unix)]
     {
         use tokio::signal::unix::{SignalKind, signal};
-        let Ok(mut hangup) = signal(SignalKind::hangup()) else { return };
-        while hangup.recv().await.is_some() {
-            if let Err(error) = app.reload().await {
-                eprintln!("error: {error}; the model stays as it was");
+        let mut hangup = signal(SignalKind::hangup())?;
+        Ok(async move {
+            while hangup.recv().await.is_some() {
+                if let Err(error) = app.reload().await {
+                    eprintln!("error: {error}; the model stays as it was");
+                }
             }
-        }
+        })
     }
     #[cfg(not(unix))]
-    let _ = app;
+    Ok(async move { drop(app) })
 }
 
 /// What answers the body of a request, without a network: for the fuzz target of bodies.
