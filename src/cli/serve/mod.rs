@@ -156,7 +156,7 @@ fn token(path: &std::path::Path) -> Result<String> {
     }
 }
 
-/// Done when SIGTERM or SIGINT comes, which are heard from the call on.
+/// Done when SIGTERM or SIGINT comes, which are heard from the call on; where there is no SIGTERM, when Ctrl-C comes.
 fn asked_to_end() -> std::io::Result<impl Future<Output = ()>> {
     #[cfg(unix)]
     {

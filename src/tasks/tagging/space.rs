@@ -3,6 +3,7 @@
 use super::transitions::{Order, Transitions};
 use crate::seed::Seed;
 use crate::space::{Action, Actions, CostToGo, Episode, Expert, FeatureTable, Features, Space};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// How many labels back a history feature may look.
@@ -226,18 +227,18 @@ impl Tagging {
         if self.transitions.order() == Order::Free || next == end || right(previous, next) {
             return 0;
         }
-        // Mostly one wrong label leads back.
-        if next + 1 == end || after(previous, next).any(|y| right(y, next + 1)) {
-            return 1;
-        }
-        let mut front = vec![previous];
-        for at in next..end {
-            if front.iter().any(|y| right(*y, at)) {
+        let only = [previous];
+        let mut front = Cow::from(&only[..]);
+        for at in next + 1..end {
+            let reached = || front.iter().flat_map(|y| after(*y, at - 1));
+            // Mostly one wrong label leads back, and no list of them is made.
+            if reached().any(|y| right(y, at)) {
                 return at - next;
             }
-            front = front.iter().flat_map(|y| after(*y, at)).collect();
-            front.sort_unstable();
-            front.dedup();
+            let mut ahead: Vec<u32> = reached().collect();
+            ahead.sort_unstable();
+            ahead.dedup();
+            front = ahead.into();
         }
         end - next
     }
