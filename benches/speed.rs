@@ -229,7 +229,7 @@ impl<D: Policy<TaggingProblem>> Costing<TaggingProblem, D> for Forgetful {
         costs.clear();
         let run = run.child(Purpose::RollOut, 0);
         let legal = visit.legal();
-        costs.extend(legal.iter().map(|action| visit.roll_out(action, run, None, |visit| policy.act(visit, memory))));
+        costs.extend(legal.iter().map(|action| visit.roll_out(action, run, |visit| policy.act(visit, memory))));
     }
 }
 

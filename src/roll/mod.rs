@@ -69,7 +69,7 @@ pub fn labels_at<P: Problem, D: Policy<P>>(
 /// How the cost of each action in a state is found.
 pub trait Costing<P: Problem, D: Policy<P>>: Sync {
     /// What is kept from state to state of one thread's episodes under one policy. It must not change the costs.
-    type Memo: Default + Send;
+    type Memo: Default;
 
     /// Writes the cost from here to the end after each legal action at `visit`, in order. `run` is the node of the episode.
     fn costs(
@@ -104,12 +104,12 @@ where
     StateOf<P>: Clone,
 {
     /// One for each sample.
-    type Memo = Vec<Memo>;
+    type Memo = Vec<Memo<StateOf<P>>>;
 
     fn costs(
         &self,
         visit: &mut Visit<'_, P>,
-        actor: Actor<'_, D, D::Memory, Vec<Memo>>,
+        actor: Actor<'_, D, D::Memory, Self::Memo>,
         run: Seed,
         costs: &mut Vec<f64>,
     ) {
@@ -122,15 +122,13 @@ where
         }
         memo.resize_with(self.samples, Memo::default);
         costs.clear();
-        let legal = visit.legal();
-        costs.extend(legal.iter().map(|action| {
-            let mut total = 0.0;
-            for (k, memo) in memo.iter_mut().enumerate() {
-                let run = run.child(Purpose::RollOut, k as u64);
-                total += visit.roll_out(action, run, Some(memo), |visit| policy.act(visit, memory));
-            }
-            total / self.samples as f64
-        }));
+        costs.resize(visit.legal().len(), 0.0);
+        for (k, memo) in memo.iter_mut().enumerate() {
+            let run = run.child(Purpose::RollOut, k as u64);
+            let sample = visit.roll_outs(run, memo, |visit| policy.act(visit, memory));
+            costs.iter_mut().zip(sample).for_each(|(total, cost)| *total += cost);
+        }
+        costs.iter_mut().for_each(|total| *total /= self.samples as f64);
     }
 }
 
@@ -154,12 +152,12 @@ where
     StateOf<P>: Clone,
 {
     /// One for those of the policy, one for those of the expert.
-    type Memo = [Memo; 2];
+    type Memo = [Memo<StateOf<P>>; 2];
 
     fn costs(
         &self,
         visit: &mut Visit<'_, P>,
-        actor: Actor<'_, D, D::Memory, [Memo; 2]>,
+        actor: Actor<'_, D, D::Memory, Self::Memo>,
         run: Seed,
         costs: &mut Vec<f64>,
     ) {
@@ -171,12 +169,9 @@ where
         let run = run.child(Purpose::RollOut, 0);
         let memo = &mut memo[usize::from(experts)];
         costs.clear();
-        let legal = visit.legal();
-        costs.extend(legal.iter().map(|action| {
-            visit.roll_out(action, run, Some(memo), |visit| match experts {
-                true => visit.expert(),
-                false => policy.act(visit, memory),
-            })
+        costs.extend(visit.roll_outs(run, memo, |visit| match experts {
+            true => visit.expert(),
+            false => policy.act(visit, memory),
         }));
     }
 }

@@ -81,7 +81,7 @@ impl<P: Problem> Gather for Haul<P> {
 }
 
 /// A thread's scratch: the policy's own, the roll-outs', and costs.
-type Scratch<M> = (M, [Memo; 2], Vec<f64>, Vec<f32>);
+type Scratch<M, S> = (M, [Memo<S>; 2], Vec<f64>, Vec<f32>);
 
 impl Lols {
     /// Trains on `problem` with `learner`, on the aggregate of all rounds so far.
@@ -161,7 +161,7 @@ impl Lols {
         worker: &mut Worker<'_, P>,
         policy: &D,
         episode: Episode,
-        (memory, memo, costs, shifted): &mut Scratch<D::Memory>,
+        (memory, memo, costs, shifted): &mut Scratch<D::Memory, StateOf<P>>,
         haul: &mut Haul<P>,
     ) where
         StateOf<P>: Clone,

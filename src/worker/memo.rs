@@ -7,25 +7,52 @@ use crate::seed::Seed;
 /// the same [`signature`](crate::space::Space::signature) have the same future, so it need not be run twice.
 ///
 /// Only the computing is saved: a remembered future is billed as if it had been run.
-#[derive(Clone, Debug, Default)]
-pub struct Memo {
+#[derive(Clone, Debug)]
+pub struct Memo<S> {
     run: Option<Seed>,
     /// The number of the run. What was kept in another is no more.
     era: u32,
     /// Which states of each step are known: roll-outs from one state pass few steps before they meet, so few tables are in use at a time.
     steps: Vec<Table>,
-    /// What comes after the known states, in the order in which they were come to.
-    rests: Vec<Rest>,
+    /// What comes after the states that were come to, by their numbers. Number 0 is the end, after which nothing comes.
+    pub(super) rests: Vec<Rest>,
+    /// States of this number and above cannot be found again.
+    found: usize,
+    /// The roll-outs that go on, all of them at the same step.
+    pub(super) front: Vec<Standing<S>>,
+    /// The number of the state that each action leads to, of those that are tried.
+    pub(super) tried: Vec<u32>,
+    /// What each of them costs.
+    pub(super) costs: Vec<f64>,
 }
 
-/// What comes after a state.
+/// Where a roll-out stands.
+#[derive(Clone, Debug)]
+pub(super) struct Standing<S> {
+    pub state: S,
+    /// The number of the state.
+    pub number: u32,
+    /// What the way to it has cost.
+    pub spent: f64,
+}
+
+/// What comes after a state: what is decided there and the step after that, and, once it is [settled](Memo::settle), all that follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rest {
     pub cost: f64,
     pub bill: Ledger,
+    /// The number of the state that the step leads to.
+    pub next: u32,
 }
 
-impl Memo {
+impl<S> Default for Memo<S> {
+    fn default() -> Self {
+        let (steps, rests, front, tried, costs) = Default::default();
+        Memo { run: None, era: 0, steps, rests, found: 0, front, tried, costs }
+    }
+}
+
+impl<S> Memo<S> {
     /// Forgets everything unless it belongs to `run`.
     pub(super) fn belong_to(&mut self, run: Seed) {
         if self.run == Some(run) {
@@ -33,6 +60,8 @@ impl Memo {
         }
         self.run = Some(run);
         self.rests.clear();
+        self.rests.push(Rest::default());
+        self.found = 1;
         self.era = self.era.wrapping_add(1);
         if self.era == 0 {
             self.steps.clear();
@@ -40,43 +69,38 @@ impl Memo {
         }
     }
 
-    /// How many states are kept.
-    pub(super) fn len(&self) -> usize {
-        self.rests.len()
-    }
-
-    /// What is known to come after the state with this signature at step `t`. If nothing is, it is kept from now on, and what comes after it
-    /// must be [settled](Memo::settle) before anything else is asked; `then` is what the step to it cost, and the bill before anything is
-    /// decided in it. A state without a signature is kept too, but never found.
+    /// The number of the state with this signature at step `t`, and whether it is new: what comes after it is then to be found out, and to be
+    /// [settled](Memo::settle) before the next roll-outs. A state without a signature is always new.
     #[inline]
-    pub(super) fn come_to(&mut self, t: usize, signature: Option<u64>, then: Rest) -> Option<Rest> {
+    pub(super) fn come_to(&mut self, t: usize, signature: Option<u64>) -> (u32, bool) {
+        let number = self.rests.len() as u32;
         if let Some(signature) = signature {
             if self.steps.len() <= t {
                 self.steps.resize_with(t + 1, Table::default);
             }
-            let state = State { signature, era: self.era, at: self.rests.len() as u32 };
-            if let Some(at) = self.steps[t].find_or_keep(state) {
-                return Some(self.rests[at as usize]);
+            let state = State { signature, era: self.era, number };
+            if let Some(known) = self.steps[t].find_or_keep(state) {
+                return (known, false);
             }
+            self.found = self.rests.len() + 1;
         }
-        self.rests.push(then);
-        None
+        self.rests.push(Rest::default());
+        (number, true)
     }
 
-    /// Settles what comes after the states from number `first` on, which one roll-out passed one after the other. After the last of them came
-    /// `later` more steps and `rest`, when the bill was that of `rest`. Returns what the roll-out cost, added up from its end, as a table of
-    /// costs-to-go would.
-    pub(super) fn settle(&mut self, first: usize, mut later: u64, rest: Rest) -> f64 {
-        let Rest { mut cost, bill: after } = rest;
-        for passed in self.rests[first..].iter_mut().rev() {
-            let then = *passed;
-            passed.cost = cost;
-            passed.bill = after - then.bill;
-            passed.bill.steps += later;
-            cost += then.cost;
-            later += 1;
+    /// Settles what comes after the states from number `first` on: after each comes what is its own, and then what comes after the next, which was known
+    /// before or has a higher number. Costs are added up from the end, as a table of costs-to-go would be.
+    pub(super) fn settle(&mut self, first: usize) {
+        for number in (first..self.rests.len()).rev() {
+            let Rest { cost, bill, next } = self.rests[number];
+            let later = self.rests[next as usize];
+            self.rests[number] = Rest { cost: later.cost + cost, bill: later.bill + bill, next };
         }
-        cost
+    }
+
+    /// Forgets what cannot be found again.
+    pub(super) fn trim(&mut self) {
+        self.rests.truncate(self.found);
     }
 }
 
@@ -93,7 +117,7 @@ struct Table {
 struct State {
     signature: u64,
     era: u32,
-    at: u32,
+    number: u32,
 }
 
 /// Places of the smallest table.
@@ -113,7 +137,7 @@ impl Table {
             self.taken = (state.era, 0);
         }
         let place = match self.place(state) {
-            Ok(place) => return Some(self.places[place].at),
+            Ok(place) => return Some(self.places[place].number),
             Err(free) => free,
         };
         self.places[place] = state;
@@ -163,26 +187,44 @@ mod tests {
     use std::collections::HashMap;
 
     proptest! {
-        /// A memo remembers what a map of the standard library does, over runs and growth.
+        /// A memo knows the states that a map of the standard library does, over runs and growth, and adds up what comes after them.
         #[test]
-        fn remembers_what_a_map_would(steps in prop::collection::vec((0..3u64, 0..4usize, 0..300u64, 0..90u32), 0..1500)) {
-            let (mut memo, mut map, mut run) = (Memo::default(), HashMap::new(), None);
-            for (number, t, signature, cost) in steps {
+        fn remembers_what_a_map_would(
+            trials in prop::collection::vec((0..3u64, prop::collection::vec((prop::option::weighted(0.9, 0..300u64), 0..90u32), 1..6)), 0..300),
+        ) {
+            let (mut memo, mut map, mut run) = (Memo::<()>::default(), HashMap::new(), None);
+            for (number, passed) in trials {
                 // Few runs are begun, so that some of them become long.
-                let next = if cost == 0 { Some(number) } else { run.or(Some(number)) };
+                let next = if passed[0].1 == 0 { Some(number) } else { run.or(Some(number)) };
                 if next != run {
                     map.clear();
                     run = next;
                 }
                 memo.belong_to(Seed::new(run.unwrap_or(0)));
-                let first = memo.len();
-                let found = memo.come_to(t, Some(signature), Rest { cost: 1.0, bill: Ledger::default() });
-                prop_assert_eq!(found.map(|rest| rest.cost), map.get(&(t, signature)).copied());
-                if found.is_none() {
-                    let rest = Rest { cost: f64::from(cost), bill: Ledger::default() };
-                    prop_assert_eq!(memo.settle(first, 0, rest), f64::from(cost) + 1.0);
-                    map.insert((t, signature), f64::from(cost));
+                // A roll-out that passes these states, until it comes to one that is known.
+                let (first, mut way, mut known) = (memo.rests.len(), Vec::new(), 0.0);
+                for (t, (signature, cost)) in passed.into_iter().enumerate() {
+                    let key = signature.map(|signature| (t, signature));
+                    let (number, new) = memo.come_to(t, signature);
+                    if let Some((last, _, _)) = way.last() {
+                        memo.rests[*last as usize].next = number;
+                    }
+                    prop_assert_eq!(!new, key.is_some_and(|key| map.contains_key(&key)));
+                    if !new {
+                        known = map[&key.unwrap_or_default()];
+                        prop_assert_eq!(memo.rests[number as usize].cost, known);
+                        break;
+                    }
+                    memo.rests[number as usize].cost = f64::from(cost);
+                    way.push((number, key, f64::from(cost)));
                 }
+                memo.settle(first);
+                for (number, key, cost) in way.into_iter().rev() {
+                    known += cost;
+                    prop_assert_eq!(memo.rests[number as usize].cost, known);
+                    map.extend(key.map(|key| (key, known)));
+                }
+                memo.trim();
             }
         }
     }

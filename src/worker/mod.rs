@@ -98,7 +98,7 @@ pub fn sweep<P, M, G>(
 ) -> (G, Ledger)
 where
     P: Problem,
-    M: Default + Send,
+    M: Default,
     G: Gather,
 {
     // Few episodes are long ones. How they are cut must not depend on the threads, because sums do depend on it.

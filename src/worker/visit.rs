@@ -1,7 +1,7 @@
 //! One visit to one state.
 
 use super::Ledger;
-use super::memo::{Memo, Rest};
+use super::memo::{Memo, Rest, Standing};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Actions, CostToGo, Expert, Problem, SharedOf, Sight, Space, StateOf, ViewOf};
 
@@ -149,44 +149,26 @@ impl<'v, P: Problem> Visit<'v, P> {
     }
 
     /// Puts the system back to this state, takes `action` and lets `drive` say what to do to the end. Returns the total cost from
-    /// here. Billed as a reset and a roll-out.
+    /// here, added up from the end. Billed as a reset and a roll-out.
     ///
     /// Step t of the roll-out draws its randomness from `run` and t alone, so actions that are compared share it, and so
-    /// do roll-outs from different states of one episode that are given the same `run`. Those can share a `memo` too, as long as
-    /// the same policy drives: costs and bill are the same to the bit, with it or without.
-    pub fn roll_out(
-        &mut self,
-        action: Action,
-        run: Seed,
-        memo: Option<&mut Memo>,
-        mut drive: impl FnMut(&mut Visit<'_, P>) -> Action,
-    ) -> f64
+    /// do roll-outs from different states of one episode that are given the same `run`.
+    pub fn roll_out(&mut self, action: Action, run: Seed, mut drive: impl FnMut(&mut Visit<'_, P>) -> Action) -> f64
     where
         StateOf<P>: Clone,
     {
-        let (mut own, remember) = (Memo::default(), memo.is_some());
-        let memo = memo.unwrap_or(&mut own);
-        memo.belong_to(run);
         let space = self.problem.space();
         self.ledger.rollouts += 1;
         self.ledger.resets += 1;
         // The view of the state at hand is overwritten: the next look at it writes it again.
         self.looked = false;
         let mut state = self.state.clone();
-        let (mut action, mut spent) = (action, 0.0);
-        // What is passed is kept with the bill so far. The steps themselves are billed at the end: a bill that is written to and copied in turn makes
-        // each wait for the other.
-        let first = memo.len();
-        let (mut rest, mut later) = (0.0, 0);
+        let (mut action, mut spent, mut costs) = (action, 0.0, Vec::new());
         for t in self.t + 1.. {
+            self.ledger.steps += 1;
             let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
             spent += cost;
-            let signature = if remember { space.signature(&state) } else { None };
-            if let Some(known) = memo.come_to(t, signature, Rest { cost, bill: *self.ledger }) {
-                *self.ledger += known.bill;
-                (rest, later) = (known.cost + cost, 1);
-                break;
-            }
+            costs.push(cost);
             let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t, run);
             visit.spent = spent;
             if visit.legal().is_empty() {
@@ -194,9 +176,72 @@ impl<'v, P: Problem> Visit<'v, P> {
             }
             action = drive(&mut visit);
         }
-        let passed = (memo.len() - first) as u64;
-        let cost = memo.settle(first, later, Rest { cost: rest, bill: *self.ledger });
-        self.ledger.steps += passed + later;
-        cost
+        costs.into_iter().rev().fold(0.0, |rest, cost| rest + cost)
+    }
+
+    /// [Rolls out](Visit::roll_out) every legal action and returns what each costs, in order: costs and bill are the same to the bit, but what is known about
+    /// a state is not found out again. All go on step by step, side by side, and those that come to the same state go on as one.
+    ///
+    /// The `memo` serves roll-outs from all states of an episode that are given the same `run`, as long as the same policy drives.
+    pub fn roll_outs<'m>(
+        &mut self,
+        run: Seed,
+        memo: &'m mut Memo<StateOf<P>>,
+        mut drive: impl FnMut(&mut Visit<'_, P>) -> Action,
+    ) -> &'m [f64]
+    where
+        StateOf<P>: Clone,
+    {
+        let (problem, space) = (self.problem, self.problem.space());
+        memo.belong_to(run);
+        self.looked = false;
+        let first = memo.rests.len();
+        memo.tried.clear();
+        memo.costs.clear();
+        let mut front = std::mem::take(&mut memo.front);
+        let seed = run.child(Purpose::Step, self.t as u64);
+        for action in self.legal().iter() {
+            let mut state = self.state.clone();
+            let cost = space.step(&mut state, action, seed);
+            let (number, new) = memo.come_to(self.t + 1, space.signature(&state));
+            memo.tried.push(number);
+            memo.costs.push(cost);
+            if new {
+                front.push(Standing { state, number, spent: cost });
+            }
+        }
+        let mut t = self.t;
+        while !front.is_empty() {
+            t += 1;
+            let seed = run.child(Purpose::Step, t as u64);
+            front.retain_mut(|Standing { state, number, spent }| {
+                let mut bill = Ledger::default();
+                let mut visit = Visit::new(problem, state, &mut bill, self.view, Kind::RollOut, t, run);
+                visit.spent = *spent;
+                if visit.legal().is_empty() {
+                    return false;
+                }
+                let action = drive(&mut visit);
+                bill.steps += 1;
+                let cost = space.step(state, action, seed);
+                let (next, new) = memo.come_to(t + 1, space.signature(state));
+                memo.rests[*number as usize] = Rest { cost, bill, next };
+                (*number, *spent) = (next, *spent + cost);
+                new
+            });
+        }
+        memo.front = front;
+        memo.settle(first);
+        for (cost, number) in memo.costs.iter_mut().zip(&memo.tried) {
+            let rest = &memo.rests[*number as usize];
+            *cost += rest.cost;
+            *self.ledger += rest.bill;
+        }
+        let tried = memo.tried.len() as u64;
+        self.ledger.rollouts += tried;
+        self.ledger.resets += tried;
+        self.ledger.steps += tried;
+        memo.trim();
+        &memo.costs
     }
 }

@@ -108,9 +108,14 @@ proptest! {
             for index in 0..problem.episodes() {
                 let seed = Seed::new(number).child(Purpose::Episode, index as u64);
                 worker.episode(Episode { index, seed }, |visit| {
-                    for action in visit.legal().iter() {
-                        let memo = remember.then_some(&mut memo);
-                        costs.push(visit.roll_out(action, seed, memo, |visit| mixture.act(visit, &mut memory)).to_bits());
+                    if remember {
+                        let found = visit.roll_outs(seed, &mut memo, |visit| mixture.act(visit, &mut memory));
+                        costs.extend(found.iter().map(|cost| cost.to_bits()));
+                    } else {
+                        let legal = visit.legal();
+                        costs.extend(legal.iter().map(|action| {
+                            visit.roll_out(action, seed, |visit| mixture.act(visit, &mut memory)).to_bits()
+                        }));
                     }
                     Some(mixture.act(visit, &mut memory))
                 });
@@ -143,7 +148,7 @@ proptest! {
                 for k in 0..2 {
                     let run = episode.seed.child(Purpose::RollOut, k);
                     for action in visit.legal().iter() {
-                        let found = visit.roll_out(action, run, None, |visit| mixture.act(visit, &mut memory));
+                        let found = visit.roll_out(action, run, |visit| mixture.act(visit, &mut memory));
                         let expected = naive_cost(space, mirror.clone(), action, &mixture, run, visit.t());
                         assert_eq!(found, expected, "{action:?} in {mirror:?}");
                     }
@@ -256,8 +261,7 @@ fn actions_that_are_compared_share_their_luck() {
     worker.episode(Episode { index: 0, seed: Seed::new(1) }, |visit| {
         for k in 0..2 {
             let run = Seed::new(1).child(Purpose::RollOut, k);
-            let costs: Vec<f64> =
-                (0..3).map(|a| visit.roll_out(Action(a), run, None, |visit| visit.expert())).collect();
+            let costs: Vec<f64> = (0..3).map(|a| visit.roll_out(Action(a), run, |visit| visit.expert())).collect();
             assert!(
                 (costs[1] - costs[0] - 10.0).abs() < 1e-12 && (costs[2] - costs[0] - 20.0).abs() < 1e-12,
                 "{costs:?}"
@@ -307,7 +311,7 @@ fn a_look_after_a_roll_out_is_of_the_state_at_hand() {
         worker.episode(Episode { index, seed: Seed::new(5) }, |visit| {
             let before = visit.sight().view.clone();
             let after_each = visit.legal().iter().map(|action| {
-                visit.roll_out(action, Seed::new(6), None, |visit| mixture.act(visit, &mut memory));
+                visit.roll_out(action, Seed::new(6), |visit| mixture.act(visit, &mut memory));
                 visit.sight().view.clone()
             });
             for after in after_each.collect::<Vec<_>>() {

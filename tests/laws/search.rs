@@ -187,8 +187,8 @@ fn regrets_are_what_deviations_would_gain() {
             worker.episode(Episode { index, seed: Seed::new(9) }, |visit| {
                 costs.clear();
                 let tried = visit.legal().iter().map(|action| match beta == 1.0 {
-                    true => visit.roll_out(action, Seed::new(9), None, |visit| visit.expert()),
-                    false => visit.roll_out(action, Seed::new(9), None, |visit| driver.act(visit, &mut memory)),
+                    true => visit.roll_out(action, Seed::new(9), |visit| visit.expert()),
+                    false => visit.roll_out(action, Seed::new(9), |visit| driver.act(visit, &mut memory)),
                 });
                 let tried: Vec<f64> = tried.collect();
                 let action = driver.act(visit, &mut memory);
