@@ -136,8 +136,7 @@ fn path<'p>(problem: &Unlabelled, policy: &'p Greedy<Linear>) -> (Vec<Vec<&'p [f
     for index in all(problem) {
         Worker::new(problem).episode(Episode { index, seed: Seed::new(1) }, |visit| {
             let sight = visit.sight();
-            let all = sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic);
-            rows.push(all.filter_map(|feature| weights.row(*feature)).collect());
+            rows.push(sight.listed().iter().filter_map(|feature| weights.row(feature)).collect());
             actions.next().copied()
         });
     }
@@ -202,8 +201,8 @@ fn naive_scores(problem: &Unlabelled, policy: &Greedy<Linear>) -> Vec<Action> {
         fn scores<'m>(&self, sight: &Sight<'_, Features>, sums: &'m mut Vec<f32>) -> &'m [f32] {
             sums.clear();
             sums.resize(self.0.actions, 0.0);
-            for feature in sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic) {
-                if let Some(row) = self.0.weights.row(*feature) {
+            for feature in sight.listed().iter() {
+                if let Some(row) = self.0.weights.row(feature) {
                     sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
                 }
             }

@@ -84,8 +84,7 @@ impl Growth<'_> {
     }
 
     fn has(&self, n: u32, feature: u32) -> bool {
-        let (fixed, dynamic) = self.batch.features(n as usize);
-        fixed.contains(&feature) || dynamic.contains(&feature)
+        self.batch.features(n as usize).iter().any(|other| other == feature)
     }
 
     /// The feature that splits `examples`, whose sums are `all`, best, if one splits them at all.
@@ -93,8 +92,7 @@ impl Growth<'_> {
         let mut met = Vec::new();
         let mut sums: Vec<Sums> = Vec::new();
         for &n in examples {
-            let (fixed, dynamic) = self.batch.features(n as usize);
-            for &feature in fixed.iter().chain(dynamic) {
+            for feature in self.batch.features(n as usize).iter() {
                 if self.places[feature as usize] == 0 {
                     met.push(feature);
                     self.places[feature as usize] = met.len() as u32;

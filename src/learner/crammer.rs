@@ -139,11 +139,11 @@ impl Learner<Features> for CrammerSinger {
             let mut worst = 0.0f32;
             for &n in &order {
                 let (i, count) = batch.example(n as usize);
-                let (fixed, dynamic) = batch.features(n as usize);
+                let features = batch.features(n as usize);
                 let lesson = Lesson { actions: k, legal: examples.legal(i), target: examples.target(i) };
                 let alphas = &mut alphas[n as usize * k..][..k];
-                steps.score(fixed, dynamic);
-                steps.change((fixed, dynamic), lesson, |lesson, norm, scores, change| {
+                steps.score(features);
+                steps.change(features, lesson, |lesson, norm, scores, change| {
                     let violation = problem.solve(lesson, (norm, self.cost * count), scores, alphas, change);
                     worst = worst.max(violation);
                     violation > 0.0

@@ -5,7 +5,7 @@ use super::{Examples, Kept, Lesson, Setting, Target};
 use crate::index::Index;
 use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best};
-use crate::space::{Action, FeatureTable, Features, Sight, StoredFeatures};
+use crate::space::{Action, FeatureTable, Features, Listed, Sight, StoredFeatures};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Examples of which equal ones are one, with a count: an aggregate of many rounds holds most of its examples many times, and
@@ -50,11 +50,10 @@ impl<'a> Batch<'a> {
         (self.firsts[n] as usize, self.counts[n])
     }
 
-    /// The static and the dynamic features of the `n`-th.
+    /// The features of the `n`-th.
     #[inline]
-    pub(super) fn features(&self, n: usize) -> (&'a [u32], &'a [u32]) {
-        let (row, dynamic) = self.views.get(self.firsts[n] as usize);
-        (self.table.row(row), dynamic)
+    pub(super) fn features(&self, n: usize) -> Listed<'a> {
+        self.views.listed(self.firsts[n] as usize, self.table)
     }
 }
 
@@ -96,11 +95,9 @@ impl Steps {
 
     /// Adds up the weights of these features.
     #[inline]
-    pub(super) fn score(&mut self, fixed: &[u32], dynamic: &[u32]) -> &[f32] {
+    pub(super) fn score(&mut self, features: Listed<'_>) {
         self.scores.fill(0.0);
-        self.weights.add_to(fixed, &mut self.scores);
-        self.weights.add_to(dynamic, &mut self.scores);
-        &self.scores
+        self.weights.add_parts(features.parts(), 0, &mut self.scores);
     }
 
     /// Adds to the weights of these features what `step` writes into a change of zeros, given the lesson, the number of features and the
@@ -108,13 +105,13 @@ impl Steps {
     #[inline]
     pub(super) fn change(
         &mut self,
-        (fixed, dynamic): (&[u32], &[u32]),
+        features: Listed<'_>,
         lesson: Lesson<'_>,
         step: impl FnOnce(Lesson<'_>, f32, &[f32], &mut [f32]) -> bool,
     ) {
         self.change.fill(0.0);
-        if step(lesson, (fixed.len() + dynamic.len()) as f32, &self.scores, &mut self.change) {
-            for &feature in fixed.iter().chain(dynamic) {
+        if step(lesson, features.len() as f32, &self.scores, &mut self.change) {
+            for feature in features.iter() {
                 let row = self.weights.row_mut(feature);
                 row.iter_mut().zip(&self.change).for_each(|(w, change)| *w += change);
             }
@@ -128,11 +125,11 @@ impl Steps {
         target: Option<Target<'_>>,
         step: impl FnOnce(Lesson<'_>, f32, &[f32], &mut [f32]) -> bool,
     ) -> Action {
-        let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
-        self.score(fixed, dynamic);
+        let features = sight.listed();
+        self.score(features);
         let choice = best(self.columns, self.actions, &self.scores, sight.legal, &mut self.votes);
         if let Some(target) = target {
-            self.change((fixed, dynamic), Lesson { actions: self.actions, legal: sight.legal, target }, step);
+            self.change(features, Lesson { actions: self.actions, legal: sight.legal, target }, step);
         }
         choice
     }
@@ -145,11 +142,10 @@ impl Steps {
         mut step: impl FnMut(Lesson<'_>, f32, &[f32], &mut [f32]) -> bool,
     ) {
         for i in 0..examples.len() {
-            let (row, dynamic) = examples.views().get(i);
-            let fixed = setting.shared.row(row);
+            let features = examples.views().listed(i, setting.shared);
             let lesson = Lesson { actions: self.actions, legal: examples.legal(i), target: examples.target(i) };
-            self.score(fixed, dynamic);
-            self.change((fixed, dynamic), lesson, &mut step);
+            self.score(features);
+            self.change(features, lesson, &mut step);
         }
     }
 

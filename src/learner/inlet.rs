@@ -142,11 +142,6 @@ fn add_rows<const N: usize>(seen: u64, slopes: &[f32], row: &mut [f32]) {
     *row = sums;
 }
 
-/// The features at `sight`, the static ones first.
-fn features<'a>(sight: &'a Sight<'_, Features>) -> impl Iterator<Item = u32> + 'a {
-    sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic).copied()
-}
-
 impl Inlet<Features> for Sparse {
     fn begin(setting: Setting<'_, Features>, columns: usize, warm: Option<&Linear>) -> Self {
         let features = setting.shared.features();
@@ -167,9 +162,9 @@ impl Inlet<Features> for Sparse {
     }
 
     fn meet(&mut self, sight: &Sight<'_, Features>, seed: Seed) {
-        for feature in features(sight) {
+        for feature in sight.listed().iter() {
             if self.layer.weights.row(feature).is_none() {
-                let scale = 1.0 / (features(sight).count() as f32).sqrt();
+                let scale = 1.0 / (sight.listed().len() as f32).sqrt();
                 let columns = self.layer.actions;
                 let (row, _) = self.row(feature);
                 draw(&mut row[..columns], scale, seed.child(Purpose::Learner, u64::from(feature)));
@@ -179,7 +174,7 @@ impl Inlet<Features> for Sparse {
 
     fn learn(&mut self, sight: &Sight<'_, Features>, slopes: &[f32]) {
         let own = 1 << (self.slopes.len() / slopes.len());
-        for feature in features(sight) {
+        for feature in sight.listed().iter() {
             let seen = self.seen[feature as usize];
             self.seen[feature as usize] = seen | own;
             if seen & own != 0 {

@@ -146,8 +146,9 @@ impl<V: View, T: Kept<V>> Kept<V> for Vec<T> {
 impl Kept<Features> for StoredFeatures {
     fn put(&self, to: &mut Vec<u8>) {
         Kept::<Features>::put(&self.len(), to);
-        for (row, dynamic) in (0..self.len()).map(|i| self.get(i)) {
+        for (row, key, dynamic) in (0..self.len()).map(|i| self.get(i)) {
             Kept::<Features>::put(&row, to);
+            Kept::<Features>::put(&key, to);
             Kept::<Features>::put(&(dynamic.len() as u32), to);
             dynamic.iter().for_each(|feature| Kept::<Features>::put(feature, to));
         }
@@ -156,12 +157,13 @@ impl Kept<Features> for StoredFeatures {
     fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
         let (mut stored, mut view) = (StoredFeatures::default(), Features::default());
         for _ in 0..usize::take(from, setting)? {
-            view.row = u32::take(from, setting)?;
+            (view.row, view.key) = (u32::take(from, setting)?, u32::take(from, setting)?);
             let dynamic = u32::take(from, setting)? as usize;
             view.dynamic.clear();
             view.dynamic.extend(from.take::<4>(dynamic)?.iter().map(|feature| u32::from_le_bytes(*feature)));
             let known = view.row == NO_ROW || (view.row as usize) < setting.shared.rows();
-            if !known || view.dynamic.iter().any(|feature| *feature as usize >= setting.shared.features()) {
+            let named = |feature: u32| (feature as usize) < setting.shared.features();
+            if !known || !setting.shared.listed(view.row, view.key, &view.dynamic).iter().all(named) {
                 return None;
             }
             stored.push(&view);
@@ -292,7 +294,7 @@ impl Kept<Features> for Linear {
     fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
         let columns = take_columns(from, setting)?;
         let mut linear = take_weights(from, setting, setting.actions, columns)?;
-        linear.weights.measure();
+        linear.weights.measure(setting.shared);
         Some(linear)
     }
 }

@@ -3,7 +3,7 @@
 use super::{Examples, Learner, Online, Setting, Target};
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best, reserve_some};
 use crate::seed::Seed;
-use crate::space::{Action, Actions, Features, Sight};
+use crate::space::{Action, Actions, Features, Listed, Sight};
 use rand::seq::SliceRandom;
 
 mod kept;
@@ -90,25 +90,17 @@ impl Course {
         Course { actions, columns, weights, beside, seen: 0, scores, gradient, blocks, votes }
     }
 
-    /// Scores the example whose features are `fixed` and `dynamic`.
+    /// Scores the example with these features.
     #[inline]
-    fn score(&mut self, fixed: &[u32], dynamic: &[u32], legal: Actions<'_>) {
+    fn score(&mut self, features: Listed<'_>, legal: Actions<'_>) {
         self.scores.fill(0.0);
         let span = self.weights.span(self.columns, legal);
-        let scores = &mut self.scores[span.clone()];
-        self.weights.add_span(fixed, span.start, scores);
-        self.weights.add_span(dynamic, span.start, scores);
+        self.weights.add_parts(features.parts(), span.start, &mut self.scores[span]);
     }
 
-    /// Learns from the example that was scored last: its static features and its dynamic ones. Returns whether their weights were changed.
+    /// Learns from the example that was scored last, which has these features. Returns whether their weights were changed.
     #[inline]
-    fn learn<R: Rule>(
-        &mut self,
-        rule: &R,
-        [fixed, dynamic]: [&[u32]; 2],
-        legal: Actions<'_>,
-        target: Target<'_>,
-    ) -> bool {
+    fn learn<R: Rule>(&mut self, rule: &R, features: Listed<'_>, legal: Actions<'_>, target: Target<'_>) -> bool {
         let count = self.weights.columns();
         let lesson = Lesson { actions: self.actions, legal, target };
         self.gradient.fill(0.0);
@@ -117,19 +109,18 @@ impl Course {
             let blocks = self.gradient.as_chunks().0.iter().copied().enumerate();
             self.blocks.clear();
             self.blocks.extend(blocks.filter(|(_, g)| *g != [0.0; BLOCK]));
-            self.change(rule.descent(), fixed);
-            self.change(rule.descent(), dynamic);
+            features.parts().into_iter().for_each(|part| self.change(rule.descent(), part));
         }
         self.seen += 1;
         changes
     }
 
-    /// Changes the weights of `features`.
-    fn change(&mut self, descent: Descent, features: &[u32]) {
+    /// Changes the weights of these features, `more` added to their numbers.
+    fn change(&mut self, descent: Descent, (features, more): (&[u32], u32)) {
         let when = self.seen as f32;
         let blocks = self.weights.stride() / BLOCK;
         let width = blocks * descent.beside();
-        for &feature in features {
+        for feature in features.iter().map(|feature| feature + more) {
             let place = self.weights.make_place(feature);
             if self.beside.len() < (place + 1) * width {
                 self.beside.resize((place + 1) * width, [0.0; BLOCK]);
@@ -211,6 +202,11 @@ impl Classifier<Features> for Course {
     fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
         memory.choose(self.columns, self.actions, &self.weights, sight)
     }
+
+    #[inline]
+    fn choose_at_once(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Option<Action> {
+        memory.choose_at_once(self.columns, self.actions, &self.weights, sight)
+    }
 }
 
 impl<R: Rule> Learner<Features> for R {
@@ -229,15 +225,14 @@ impl<R: Rule> Learner<Features> for R {
         for _ in 0..self.passes() {
             order.shuffle(&mut rng);
             for &i in &order {
-                let (row, dynamic) = examples.views().get(i as usize);
-                let fixed = setting.shared.row(row);
+                let features = examples.views().listed(i as usize, setting.shared);
                 let legal = examples.legal(i as usize);
-                course.score(fixed, dynamic, legal);
-                course.learn(self, [fixed, dynamic], legal, examples.target(i as usize));
+                course.score(features, legal);
+                course.learn(self, features, legal, examples.target(i as usize));
             }
         }
         let mut learned = self.finish(course);
-        learned.weights.measure();
+        learned.weights.measure(setting.shared);
         learned
     }
 }
@@ -247,29 +242,28 @@ impl<R: Rule> Online<Features> for R {
 
     fn begin(&self, setting: Setting<'_, Features>, warm: Option<&Linear>) -> Course {
         let mut course = start(self, setting, warm);
-        course.weights.measure();
+        course.weights.measure(setting.shared);
         course
     }
 
     #[inline]
     fn learn(&self, course: &mut Course, sight: &Sight<'_, Features>, target: Option<Target<'_>>) -> Action {
-        let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic[..]);
-        course.score(fixed, dynamic, sight.legal);
+        let features = sight.listed();
+        course.score(features, sight.legal);
         let choice = best(course.columns, course.actions, &course.scores, sight.legal, &mut course.votes);
         if let Some(target) = target {
-            course.learn(self, [fixed, dynamic], sight.legal, target);
+            course.learn(self, features, sight.legal, target);
         }
         choice
     }
 
     fn study(&self, course: &mut Course, setting: Setting<'_, Features>, examples: &Examples<Features>) {
         for i in 0..examples.len() {
-            let (row, dynamic) = examples.views().get(i);
-            let fixed = setting.shared.row(row);
-            course.score(fixed, dynamic, examples.legal(i));
-            if course.learn(self, [fixed, dynamic], examples.legal(i), examples.target(i)) {
+            let features = examples.views().listed(i, setting.shared);
+            course.score(features, examples.legal(i));
+            if course.learn(self, features, examples.legal(i), examples.target(i)) {
                 // Who learns from whole episodes rolls out in between, and asks how far dynamic features reach.
-                dynamic.iter().for_each(|feature| course.weights.measure_row(*feature));
+                features.dynamic.iter().for_each(|feature| course.weights.measure_row(*feature));
             }
         }
     }

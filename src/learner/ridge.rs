@@ -53,16 +53,14 @@ impl Rows<'_> {
     fn multiply(&self, w: &[f64], product: &mut [f64]) {
         product.iter_mut().zip(w).for_each(|(p, w)| *p = self.l2 * w);
         for (n, weight) in self.weights.iter().enumerate() {
-            let (fixed, dynamic) = self.batch.features(n);
-            let sum: f64 = fixed.iter().chain(dynamic).map(|feature| w[*feature as usize]).sum();
+            let sum: f64 = self.batch.features(n).iter().map(|feature| w[feature as usize]).sum();
             self.spread(n, weight * sum, product);
         }
     }
 
     /// Adds `amount` to the features of row `n`.
     fn spread(&self, n: usize, amount: f64, sums: &mut [f64]) {
-        let (fixed, dynamic) = self.batch.features(n);
-        fixed.iter().chain(dynamic).for_each(|feature| sums[*feature as usize] += amount);
+        self.batch.features(n).iter().for_each(|feature| sums[feature as usize] += amount);
     }
 
     /// The w at which (XᵀRX + l2) w = `right`.

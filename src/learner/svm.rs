@@ -105,8 +105,8 @@ impl Svm {
     /// hardly leave again: its gradient lies beyond those of the pass before.
     #[inline]
     fn step(&self, batch: &Batch<'_>, item: &mut Item, w: &mut [f64], (above, below): (f64, f64)) -> Option<f64> {
-        let (fixed, dynamic) = batch.features(item.n as usize);
-        let sum: f64 = fixed.iter().chain(dynamic).map(|feature| w[*feature as usize]).sum();
+        let features = batch.features(item.n as usize);
+        let sum: f64 = features.iter().map(|feature| w[feature as usize]).sum();
         let gradient = item.sign * sum - 1.0;
         let projected = if item.alpha == 0.0 {
             if gradient > above {
@@ -122,13 +122,11 @@ impl Svm {
             gradient
         };
         if projected.abs() > 1e-12 {
-            let norm = (fixed.len() + dynamic.len()) as f64;
+            let norm = features.len() as f64;
             let alpha = (item.alpha - gradient / norm).clamp(0.0, item.most);
             let change = item.sign * (alpha - item.alpha);
             item.alpha = alpha;
-            for feature in fixed.iter().chain(dynamic) {
-                w[*feature as usize] += change;
-            }
+            features.iter().for_each(|feature| w[feature as usize] += change);
         }
         Some(projected)
     }

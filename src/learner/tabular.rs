@@ -27,12 +27,11 @@ impl Learner<Features> for Tabular {
         let mut seen = vec![false; features];
         let mut costs = Vec::new();
         for i in 0..examples.len() {
-            let (row, dynamic) = examples.views().get(i);
             let legal = examples.legal(i);
             reduce::as_costs(examples.target(i), legal, &mut costs);
-            for feature in setting.shared.row(row).iter().chain(dynamic) {
-                let start = *feature as usize * actions;
-                seen[*feature as usize] = true;
+            for feature in examples.views().listed(i, setting.shared).iter() {
+                let start = feature as usize * actions;
+                seen[feature as usize] = true;
                 for (action, cost) in legal.iter().zip(&costs) {
                     sums[start + action.index()] += f64::from(*cost);
                 }

@@ -85,12 +85,14 @@ pub struct LinearMemory {
     version: u64,
     /// Over static parts, by their rows.
     fixed: Sums,
-    /// Over static parts and the near dynamic features, by row and key.
+    /// Over static and keyed parts, by row and key.
     near: Sums,
     /// What each of those decides, and by how much.
     decided: Vec<(Action, f32)>,
+    /// The last sums, one for each column of the weights that everything here is of.
     sums: Vec<f32>,
-    votes: Vec<f32>,
+    /// Scores that are not remembered.
+    passing: Vec<f32>,
 }
 
 /// Sums by what they are of, each at the place that this has; what comes to the same place takes it over.
@@ -111,7 +113,8 @@ impl Sums {
     /// The place of `key`, and whether it has it.
     #[inline]
     fn place(&self, key: (u32, u32)) -> (usize, bool) {
-        let place = (key.0.wrapping_mul(37).wrapping_add(key.1)) as usize % self.keys.len();
+        // A mask, because there is a power of two of them: a remainder takes as long as half of a choice.
+        let place = (key.0.wrapping_mul(37).wrapping_add(key.1)) as usize & (self.keys.len() - 1);
         (place, self.keys[place] == key)
     }
 
@@ -132,12 +135,18 @@ impl LinearMemory {
     /// Forgets what is not of `weights` as they are now.
     #[inline]
     fn belong_to(&mut self, weights: &Weights) {
+        if self.version != weights.version || self.sums.len() != weights.stride() {
+            self.forget(weights);
+        }
+    }
+
+    fn forget(&mut self, weights: &Weights) {
         let stride = weights.stride();
-        if self.sums.len() != stride || self.fixed.sums.len() != FIXED * stride {
-            let (fixed, near) = (Sums::new(FIXED, stride), Sums::new(NEAR, stride));
-            let decided = vec![(Action(0), 0.0); NEAR];
-            *self = LinearMemory { version: 0, fixed, near, decided, sums: vec![0.0; stride], votes: Vec::new() };
-        } else if self.version != weights.version {
+        if self.sums.len() != stride {
+            (self.fixed, self.near) = (Sums::new(FIXED, stride), Sums::new(NEAR, stride));
+            self.decided = vec![(Action(0), 0.0); NEAR];
+            self.sums = vec![0.0; stride];
+        } else {
             self.fixed.keys.fill(NOTHING);
             self.near.keys.fill(NOTHING);
         }
@@ -158,12 +167,12 @@ impl LinearMemory {
         if !known {
             let sums = &mut fixed.write(place, key, weights.stride())[span.clone()];
             sums.fill(0.0);
-            weights.add_span(sight.shared.row(sight.view.row), span.start, sums);
+            weights.add_parts([(sight.shared.row(sight.view.row), 0)], span.start, sums);
         }
         &fixed.read(place, weights.stride())[span.clone()]
     }
 
-    /// The sums over the static part and the dynamic part of `view`; zero in columns that no legal action needs, where that is worth it.
+    /// The sums over all parts of the view; zero in columns that no legal action needs, where that is worth it.
     #[inline]
     fn sum<'m>(&'m mut self, columns: Columns, weights: &Weights, sight: &Sight<'_, Features>) -> &'m [f32] {
         self.belong_to(weights);
@@ -173,7 +182,8 @@ impl LinearMemory {
         }
         let sums = &mut self.sums[span.clone()];
         sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight, &span));
-        weights.add_span(&sight.view.dynamic, span.start, sums);
+        let [_, keyed, dynamic] = sight.listed().parts();
+        weights.add_parts([keyed, dynamic], span.start, sums);
         &self.sums
     }
 
@@ -189,17 +199,17 @@ impl LinearMemory {
         match columns {
             Columns::Actions => &self.sum(columns, weights, sight)[..actions],
             columns => {
-                let mut counts = std::mem::take(&mut self.votes);
+                let mut counts = std::mem::take(&mut self.passing);
                 votes(columns, actions, self.sum(columns, weights, sight), sight.legal, &mut counts);
-                self.votes = counts;
-                &self.votes
+                self.passing = counts;
+                &self.passing
             }
         }
     }
 
     /// The legal action with the highest score, the lowest of equals.
     ///
-    /// Where weights are measured, the near part of the view is summed up once and decides alone if the rest cannot turn the decision.
+    /// Where weights are measured, the static and the keyed part of the view are summed up once and decide alone if the rest cannot turn the decision.
     #[inline]
     pub(crate) fn choose(
         &mut self,
@@ -208,43 +218,66 @@ impl LinearMemory {
         weights: &Weights,
         sight: &Sight<'_, Features>,
     ) -> Action {
-        let (view, stride) = (sight.view, weights.stride());
         if columns == Columns::Actions && weights.reach.is_empty() {
             return self.choose_once(weights, sight);
         }
-        if columns != Columns::Actions || view.near == 0 {
+        if columns != Columns::Actions || sight.shared.keyed(sight.view.row).is_empty() {
             return sight.legal.best(self.scores(columns, actions, weights, sight));
         }
-        self.belong_to(weights);
-        let (near, far) = view.dynamic.split_at(view.near);
-        let key = (view.row, view.key);
-        let (place, known) = self.near.place(key);
-        if !known {
-            let sums = self.near.write(place, key, stride);
-            sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight, &(0..stride)));
-            weights.add_to(near, sums);
-            self.decided[place] = decide(sight.legal, &sums[..actions]);
-        }
+        let far = &sight.view.dynamic;
+        let place = self.near(actions, weights, sight);
         let (action, margin) = self.decided[place];
         let reach: f32 = far.iter().map(|f| weights.reach[weights.index[*f as usize] as usize]).sum();
         if reach < margin && far.len() <= MOST_ADDED {
             return action;
         }
-        self.sums.copy_from_slice(self.near.read(place, stride));
+        self.sums.copy_from_slice(self.near.read(place, weights.stride()));
         weights.add_to(far, &mut self.sums);
         sight.legal.best(&self.sums[..actions])
+    }
+
+    /// What [`LinearMemory::choose`] chooses whatever the dynamic part of the view is, if it does not turn on that.
+    #[inline]
+    pub(crate) fn choose_at_once(
+        &mut self,
+        columns: Columns,
+        actions: usize,
+        weights: &Weights,
+        sight: &Sight<'_, Features>,
+    ) -> Option<Action> {
+        let measured = columns == Columns::Actions && !weights.reach.is_empty();
+        if !measured || sight.shared.keyed(sight.view.row).is_empty() {
+            return None;
+        }
+        let place = self.near(actions, weights, sight);
+        let (action, margin) = self.decided[place];
+        (weights.most() < margin).then_some(action)
+    }
+
+    /// The place of the sums over the static and the keyed part of the view, and of what they decide.
+    #[inline]
+    fn near(&mut self, actions: usize, weights: &Weights, sight: &Sight<'_, Features>) -> usize {
+        self.belong_to(weights);
+        let stride = weights.stride();
+        let key = (sight.view.row, sight.view.key);
+        let (place, known) = self.near.place(key);
+        if !known {
+            let sums = self.near.write(place, key, stride);
+            sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight, &(0..stride)));
+            weights.add_parts([(sight.shared.keyed(key.0), key.1)], 0, sums);
+            self.decided[place] = decide(sight.legal, &sums[..actions]);
+        }
+        place
     }
 
     /// The same where no static part is seen twice, and nothing is worth remembering: weights that were not measured are not there to roll out.
     #[inline]
     fn choose_once(&mut self, weights: &Weights, sight: &Sight<'_, Features>) -> Action {
-        self.sums.clear();
-        self.sums.resize(weights.stride(), 0.0);
+        self.passing.clear();
+        self.passing.resize(weights.stride(), 0.0);
         let span = weights.span(Columns::Actions, sight.legal);
-        let sums = &mut self.sums[span.clone()];
-        weights.add_span(sight.shared.row(sight.view.row), span.start, sums);
-        weights.add_span(&sight.view.dynamic, span.start, sums);
-        sight.legal.best(&self.sums)
+        weights.add_parts(sight.listed().parts(), span.start, &mut self.passing[span]);
+        sight.legal.best(&self.passing)
     }
 }
 
@@ -331,6 +364,11 @@ impl Classifier<Features> for Linear {
     fn choose(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Action {
         memory.choose(self.columns, self.actions, &self.weights, sight)
     }
+
+    #[inline]
+    fn choose_at_once(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Option<Action> {
+        memory.choose_at_once(self.columns, self.actions, &self.weights, sight)
+    }
 }
 
 #[cfg(test)]
@@ -346,7 +384,8 @@ mod tests {
             numbers in prop::array::uniform32(-2..3i8),
             asked in prop::collection::vec((0..4usize, 0..2u32, 0..4u32, any::<bool>()), 1..30),
         ) {
-            let shared = FeatureTable::from_rows(6, vec![0, 1, 2], vec![0, 1]);
+            let rows = FeatureTable::from_rows(6, vec![0, 1, 2], vec![0, 1]);
+            let shared = rows.keyed_by(vec![0, 1, 2], vec![2, 2], 6, 0);
             let linear: Vec<Linear> = (0..4).map(|i| {
                 let actions = [3, 20][i % 2];
                 let mut weights = Weights::new(6, actions);
@@ -355,18 +394,22 @@ mod tests {
                     row.for_each(|(w, number)| *w = f32::from(*number));
                 }
                 if i > 1 {
-                    weights.measure();
+                    weights.measure(&shared);
                 }
                 Linear { actions, columns: Columns::Actions, weights }
             }).collect();
             let mut memory = LinearMemory::default();
             for (i, row, key, choose) in asked {
-                let view = Features { row, dynamic: vec![2 + key], near: 1, key };
+                let view = Features { row, key, dynamic: Vec::new() };
                 let legal = Actions::All(linear[i].actions as u32);
                 let sight = Sight { shared: &shared, view: &view, legal };
                 let scores = linear[i].scores(&sight, &mut Default::default()).to_vec();
                 match choose {
-                    true => prop_assert_eq!(linear[i].choose(&sight, &mut memory), legal.best(&scores)),
+                    true => {
+                        prop_assert_eq!(linear[i].choose(&sight, &mut memory), legal.best(&scores));
+                        let at_once = linear[i].choose_at_once(&sight, &mut memory);
+                        prop_assert!(at_once.is_none_or(|action| action == legal.best(&scores)));
+                    }
                     false => prop_assert_eq!(linear[i].scores(&sight, &mut memory), &scores[..]),
                 }
             }

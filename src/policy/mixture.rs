@@ -1,6 +1,6 @@
 //! Stochastic mixtures of classifiers and the expert.
 
-use super::{Classifier, Policy};
+use super::{Classifier, Policy, choose_at};
 use crate::error::Error;
 use crate::seed::Purpose;
 use crate::space::{Action, Problem, Sight, View, ViewOf};
@@ -182,7 +182,7 @@ impl<C> Mixture<C> {
         memory.members.resize_with(self.members.len(), Default::default);
         match member {
             Member::Expert => visit.expert(),
-            Member::Classifier(i) => self.members[i].1.choose(&visit.sight(), &mut memory.members[i]),
+            Member::Classifier(i) => choose_at(&self.members[i].1, visit, &mut memory.members[i]),
         }
     }
 

@@ -61,6 +61,13 @@ pub trait Classifier<V: View>: Send + Sync {
     fn choose(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Action {
         sight.legal.best(self.scores(sight, memory))
     }
+
+    /// What it would choose, where that follows from a [glance](crate::space::Space::glance) already, which is all that `sight` is. `None` is always
+    /// right.
+    fn choose_at_once(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Option<Action> {
+        let _ = (sight, memory);
+        None
+    }
 }
 
 impl<V: View, C: Classifier<V>> Classifier<V> for &C {
@@ -68,9 +75,25 @@ impl<V: View, C: Classifier<V>> Classifier<V> for &C {
     fn scores<'m>(&self, sight: &Sight<'_, V>, memory: &'m mut Self::Memory) -> &'m [f32] {
         (**self).scores(sight, memory)
     }
+    #[inline]
     fn choose(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Action {
         (**self).choose(sight, memory)
     }
+    #[inline]
+    fn choose_at_once(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Option<Action> {
+        (**self).choose_at_once(sight, memory)
+    }
+}
+
+/// What `classifier` chooses at `visit`, looking no closer than it must.
+#[inline]
+fn choose_at<P: Problem, C: Classifier<ViewOf<P>>>(
+    classifier: &C,
+    visit: &mut Visit<'_, P>,
+    memory: &mut C::Memory,
+) -> Action {
+    let known = visit.glance().and_then(|sight| classifier.choose_at_once(&sight, memory));
+    known.unwrap_or_else(|| classifier.choose(&visit.sight(), memory))
 }
 
 /// The policy that always does as the expert does.
@@ -93,7 +116,8 @@ pub struct Greedy<C>(pub C);
 
 impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Greedy<C> {
     type Memory = C::Memory;
+    #[inline]
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut C::Memory) -> Action {
-        self.0.choose(&visit.sight(), memory)
+        choose_at(&self.0, visit, memory)
     }
 }

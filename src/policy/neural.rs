@@ -72,8 +72,7 @@ impl Layer<Features> for Linear {
 
     #[inline]
     fn add(&self, sight: &Sight<'_, Features>, sums: &mut [f32]) {
-        self.weights.add_to(sight.shared.row(sight.view.row), sums);
-        self.weights.add_to(&sight.view.dynamic, sums);
+        self.weights.add_parts(sight.listed().parts(), 0, sums);
     }
 
     #[inline]

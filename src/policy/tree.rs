@@ -44,9 +44,9 @@ impl Classifier<Features> for Tree {
     type Memory = Vec<f32>;
 
     fn scores<'m>(&self, sight: &Sight<'_, Features>, memory: &'m mut Vec<f32>) -> &'m [f32] {
-        let (fixed, dynamic) = (sight.shared.row(sight.view.row), &sight.view.dynamic);
+        let listed = sight.listed();
         memory.clear();
-        memory.extend_from_slice(self.leaf(|feature| fixed.contains(&feature) || dynamic.contains(&feature)));
+        memory.extend_from_slice(self.leaf(|feature| listed.iter().any(|other| other == feature)));
         memory
     }
 }

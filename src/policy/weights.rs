@@ -1,7 +1,7 @@
 //! The weights of linear classifiers: a row a feature.
 
 use super::Columns;
-use crate::space::Actions;
+use crate::space::{Actions, FeatureTable};
 use std::ops::Range;
 
 /// Rows of weights, one for each feature that has any, each contiguous over the columns and padded to eight.
@@ -17,6 +17,12 @@ pub struct Weights {
     rows: Vec<f32>,
     /// How far each row can move one column against another, at most; infinite where it was not measured, empty where none was.
     pub(super) reach: Vec<f32>,
+    /// The first dynamic feature, and how many of them a view has at most.
+    beyond: (u32, usize),
+    /// How far any row of these reached since they were measured, at most.
+    furthest: f32,
+    /// How many of these are changed and not measured again.
+    unmeasured: usize,
     /// How often a row was handed out to be changed.
     pub(super) version: u64,
 }
@@ -35,8 +41,8 @@ const WIDEST: usize = 1 << 19;
 /// More features than this are not weighed against a margin.
 pub(super) const MOST_ADDED: usize = 400;
 
-/// How far `row` can move one column against another: the range of its weights and zero, and what rounding makes of it. Not a number where a
-/// weight is none.
+/// How far `row` can move one column against another: the range of its weights and zero, and what rounding makes of it. Not a number where that
+/// is not finite.
 fn reach(row: &[f32]) -> f32 {
     let (mut low, mut high, mut odd) = ([0f32; 8], [0f32; 8], [0f32; 8]);
     for part in row.as_chunks::<8>().0 {
@@ -47,7 +53,13 @@ fn reach(row: &[f32]) -> f32 {
         }
     }
     let range = high.into_iter().fold(0.0, f32::max) - low.into_iter().fold(0.0, f32::min);
-    range * (1.0 + ROUNDING) + odd.into_iter().sum::<f32>()
+    let reach = range * (1.0 + ROUNDING) + odd.into_iter().sum::<f32>();
+    if reach.is_finite() { reach } else { f32::NAN }
+}
+
+/// The larger one, or the one that is not a number.
+fn further(a: f32, b: f32) -> f32 {
+    if b <= a || a.is_nan() { a } else { b }
 }
 
 /// More bytes than this are not taken up before they are needed.
@@ -65,7 +77,18 @@ impl Weights {
     pub fn new(features: usize, columns: usize) -> Self {
         let stride = columns.next_multiple_of(8).max(8);
         let (index, rows) = (vec![0; features], vec![0.0; stride]);
-        Weights { columns, stride, index, straight: 0, rows, reach: Vec::new(), version: 0 }
+        Weights {
+            columns,
+            stride,
+            index,
+            straight: 0,
+            rows,
+            reach: Vec::new(),
+            beyond: (0, 0),
+            furthest: 0.0,
+            unmeasured: 0,
+            version: 0,
+        }
     }
 
     /// How many columns a row has, padding left out.
@@ -111,15 +134,20 @@ impl Weights {
         let place = self.make_place(feature);
         self.version += 1;
         if let Some(reach) = self.reach.get_mut(place) {
-            *reach = f32::INFINITY;
+            let before = std::mem::replace(reach, f32::INFINITY);
+            self.unmeasured += usize::from(feature >= self.beyond.0 && before != f32::INFINITY);
         }
         &mut self.rows[place * self.stride..(place + 1) * self.stride]
     }
 
     /// Measures how far each row can move one column against another: from now on classifiers decide by what they have summed up already where the
     /// rest cannot change it. Rows that are changed after this count as unmeasured until [`Weights::measure_row`].
-    pub(crate) fn measure(&mut self) {
+    pub(crate) fn measure(&mut self, table: &FeatureTable) {
         self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
+        self.beyond = table.beyond();
+        let dynamic = &self.index[(self.beyond.0 as usize).min(self.index.len())..];
+        self.furthest = dynamic.iter().map(|place| self.reach[*place as usize]).fold(0.0, further);
+        self.unmeasured = 0;
     }
 
     /// Measures the row of `feature` again, if the weights are measured.
@@ -127,8 +155,19 @@ impl Weights {
     pub(crate) fn measure_row(&mut self, feature: u32) {
         let place = self.index[feature as usize] as usize;
         if let Some(kept) = self.reach.get_mut(place) {
-            *kept = reach(&self.rows[place * self.stride..(place + 1) * self.stride]);
+            let before = std::mem::replace(kept, reach(&self.rows[place * self.stride..(place + 1) * self.stride]));
+            if feature >= self.beyond.0 {
+                self.furthest = further(self.furthest, *kept);
+                self.unmeasured -= usize::from(before == f32::INFINITY);
+            }
         }
+    }
+
+    /// How far all dynamic features of a view together can move one column against another, at most, whichever they are.
+    #[inline]
+    pub(super) fn most(&self) -> f32 {
+        let known = self.unmeasured == 0 && self.beyond.1 <= MOST_ADDED;
+        if known { self.beyond.1 as f32 * self.furthest } else { f32::INFINITY }
     }
 
     /// Which of the rows is that of `feature`, counted from 1 in the order in which they were made.
@@ -173,10 +212,11 @@ impl Weights {
     }
 
     /// The same weights for features in other numbers: feature i is the one that was `old[i]`, and those not in `old` are no more. Where
-    /// `old[i]` is the number of no feature, feature i is new and has no weights.
+    /// `old[i]` is the number of no feature, feature i is new and has no weights. They are not measured.
     pub fn renumber(mut self, old: &[u32]) -> Self {
         self.index = old.iter().map(|feature| self.index.get(*feature as usize).copied().unwrap_or(0)).collect();
         self.straighten();
+        self.reach = Vec::new();
         self
     }
 
@@ -188,7 +228,7 @@ impl Weights {
     /// Adds these features' rows to `scores`, in the order given.
     #[inline]
     pub fn add_to(&self, features: &[u32], scores: &mut [f32]) {
-        self.add_span(features, 0, scores);
+        self.add_parts([(features, 0)], 0, scores);
     }
 
     /// The columns of the scores of `legal` actions, in whole blocks of eight; all of them, unless half are enough. Only what is needed is fetched
@@ -202,17 +242,17 @@ impl Weights {
         if narrow { span } else { 0..self.stride }
     }
 
-    /// Adds the part of these features' rows that begins at column `from` to `scores`, in the order given.
+    /// Adds the part of these features' rows that begins at column `from` to `scores`, in the order given; each list comes with what is added to its numbers.
     #[inline]
-    pub(crate) fn add_span(&self, features: &[u32], from: usize, scores: &mut [f32]) {
+    pub(crate) fn add_parts<const K: usize>(&self, parts: [(&[u32], u32); K], from: usize, scores: &mut [f32]) {
         match scores.len() {
-            8 => self.add_fixed::<8>(features, from, scores),
-            16 => self.add_fixed::<16>(features, from, scores),
-            24 => self.add_fixed::<24>(features, from, scores),
-            32 => self.add_fixed::<32>(features, from, scores),
+            8 => self.add_fixed::<8>(&parts, from, scores),
+            16 => self.add_fixed::<16>(&parts, from, scores),
+            24 => self.add_fixed::<24>(&parts, from, scores),
+            32 => self.add_fixed::<32>(&parts, from, scores),
             _ => {
-                for &feature in features {
-                    if let Some(row) = self.row(feature) {
+                for (features, more) in parts {
+                    for row in features.iter().filter_map(|feature| self.row(feature + more)) {
                         scores.iter_mut().zip(&row[from..]).for_each(|(sum, w)| *sum += w);
                     }
                 }
@@ -221,19 +261,20 @@ impl Weights {
     }
 
     /// The same with the sums held in registers.
-    #[inline]
-    fn add_fixed<const N: usize>(&self, features: &[u32], from: usize, scores: &mut [f32]) {
+    fn add_fixed<const N: usize>(&self, parts: &[(&[u32], u32)], from: usize, scores: &mut [f32]) {
         let Some(scores) = scores.first_chunk_mut::<N>() else { return };
         let mut sums = *scores;
-        for &feature in features {
-            let row = match feature < self.straight {
-                true => feature as usize + 1,
-                // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
-                false => self.index[feature as usize] as usize,
-            };
-            if let Some(row) = self.rows[row * self.stride + from..].first_chunk::<N>() {
-                for c in 0..N {
-                    sums[c] += row[c];
+        for (features, more) in parts {
+            for feature in features.iter().map(|feature| feature + more) {
+                let row = match feature < self.straight {
+                    true => feature as usize + 1,
+                    // A feature without weights has the row of zeros: adding it costs less than a guess whether it is one.
+                    false => self.index[feature as usize] as usize,
+                };
+                if let Some(row) = self.rows[row * self.stride + from..].first_chunk::<N>() {
+                    for c in 0..N {
+                        sums[c] += row[c];
+                    }
                 }
             }
         }

@@ -1,31 +1,74 @@
-//! The commonest view: sparse binary features, split into a static and a dynamic part.
+//! The commonest view: sparse binary features, split into a static, a keyed and a dynamic part.
 //!
 //! The static part depends on the input only. It is computed once, stored once in the space's [`FeatureTable`], and named by
-//! the number of its row; a frozen policy scores a row once, however many roll-outs pass over it. The dynamic part
-//! depends on the decisions so far and is listed in the view itself.
+//! the number of its row; a frozen policy scores a row once, however many roll-outs pass over it. The keyed part depends on one number besides, such as
+//! the last action, and stands in the table too. The dynamic part depends on the decisions so far and is listed in the view itself.
 
-use super::{Gather, Store, View};
+use super::{Gather, Sight, Store, View};
 
 /// The row of a view that has no static part.
 pub const NO_ROW: u32 = u32::MAX;
 
-/// The features of one state. All are binary: those listed are 1, the others 0.
+/// The features of one state. All are binary: those that it has are 1, the others 0.
 #[derive(Clone, Debug)]
 pub struct Features {
     /// The static part: a row of the [`FeatureTable`], or [`NO_ROW`].
     pub row: u32,
+    /// What the row's [keyed](FeatureTable::keyed_by) features go by, such as the last action.
+    pub key: u32,
     /// The dynamic part, as feature numbers below [`FeatureTable::features`].
     pub dynamic: Vec<u32>,
-    /// How many of the dynamic features, the first of them, follow from `row` and `key`: views that agree in those two agree in these features and in
-    /// the legal actions. What such a part alone decides is then decided once. 0 promises nothing.
-    pub near: usize,
-    /// What the first `near` dynamic features follow from, beside the row, such as the last action.
-    pub key: u32,
 }
 
 impl Default for Features {
     fn default() -> Self {
-        Features { row: NO_ROW, dynamic: Vec::new(), near: 0, key: 0 }
+        Features { row: NO_ROW, key: 0, dynamic: Vec::new() }
+    }
+}
+
+/// All features of one view, in the order in which they are summed up.
+#[derive(Clone, Copy, Debug)]
+pub struct Listed<'a> {
+    /// The static part.
+    pub fixed: &'a [u32],
+    /// The keyed part: these and `key` added.
+    pub keyed: &'a [u32],
+    /// What is added to the keyed part.
+    pub key: u32,
+    /// The dynamic part.
+    pub dynamic: &'a [u32],
+}
+
+impl<'a> Listed<'a> {
+    /// The three parts, and what is to be added to the numbers of each.
+    #[inline]
+    pub fn parts(self) -> [(&'a [u32], u32); 3] {
+        [(self.fixed, 0), (self.keyed, self.key), (self.dynamic, 0)]
+    }
+
+    /// The numbers of the features.
+    pub fn iter(self) -> impl Iterator<Item = u32> + Clone + 'a {
+        self.parts()
+            .into_iter()
+            .flat_map(|(features, more)| features.iter().map(move |feature| feature.wrapping_add(more)))
+    }
+
+    /// How many there are.
+    pub fn len(self) -> usize {
+        self.fixed.len() + self.keyed.len() + self.dynamic.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl<'a> Sight<'a, Features> {
+    /// All features of the view.
+    #[inline]
+    pub fn listed(&self) -> Listed<'a> {
+        self.shared.listed(self.view.row, self.view.key, &self.view.dynamic)
     }
 }
 
@@ -34,18 +77,23 @@ impl View for Features {
     type Store = StoredFeatures;
 }
 
-/// The static features of a whole corpus: rows of feature numbers, one after the other.
+/// The static features of a whole corpus: rows of feature numbers, one after the other; and the keyed ones.
 #[derive(Clone, Debug)]
 pub struct FeatureTable {
     features: usize,
     starts: Vec<usize>,
     ids: Vec<u32>,
+    /// The same of the keyed part, empty where there is none.
+    keyed_starts: Vec<usize>,
+    firsts: Vec<u32>,
+    /// The first feature that is neither static nor keyed, and how many such features a view has at most.
+    beyond: (u32, usize),
 }
 
 impl FeatureTable {
     /// A table with no rows, for features numbered below `features`.
     pub fn new(features: usize) -> Self {
-        FeatureTable { features, starts: vec![0], ids: Vec::new() }
+        FeatureTable::from_rows(features, vec![0], Vec::new())
     }
 
     /// A table of rows that lie one after the other in `ids`, row r from `starts[r]` to `starts[r+1]`.
@@ -53,16 +101,32 @@ impl FeatureTable {
     /// # Panics
     /// When `starts` does not begin with 0, descend nowhere and end with the length of `ids`.
     pub fn from_rows(features: usize, starts: Vec<usize>, ids: Vec<u32>) -> Self {
-        assert!(starts.first() == Some(&0) && starts.last() == Some(&ids.len()) && starts.is_sorted());
-        FeatureTable { features, starts, ids }
+        check(&starts, &ids);
+        FeatureTable { features, starts, ids, keyed_starts: Vec::new(), firsts: Vec::new(), beyond: (0, 0) }
     }
 
-    /// The same rows where there are `more` further features, numbered after all that are here.
+    /// The same table with a keyed part. Of row r, `firsts[starts[r]]` to `firsts[starts[r+1]]` stand for one feature each, whose number is the
+    /// one that stands there and [`Features::key`] added. The legal actions, too, must follow from row and key where a row has such features:
+    /// what static and keyed features decide is then decided once for all views that share the two.
+    ///
+    /// Dynamic features are numbered from `dynamic` on, and no view has more of them than `most`: so it is known how much they can change,
+    /// whichever they are.
+    ///
+    /// # Panics
+    /// When `starts` does not begin with 0, descend nowhere and end with the length of `firsts`, or has not as many rows as the table.
+    pub fn keyed_by(self, starts: Vec<usize>, firsts: Vec<u32>, dynamic: u32, most: usize) -> Self {
+        check(&starts, &firsts);
+        assert_eq!(starts.len(), self.starts.len(), "a keyed part for every row");
+        FeatureTable { keyed_starts: starts, firsts, beyond: (dynamic, most), ..self }
+    }
+
+    /// The same rows where there are `more` further features, numbered after all that are here, of which a view may have any.
     pub fn widened(&self, more: usize) -> Self {
-        FeatureTable { features: self.features + more, ..self.clone() }
+        let (dynamic, most) = self.beyond;
+        FeatureTable { features: self.features + more, beyond: (dynamic, most + more), ..self.clone() }
     }
 
-    /// How many features there are, static and dynamic together; every feature number is below it.
+    /// How many features there are, of all three parts; every feature number is below it.
     pub fn features(&self) -> usize {
         self.features
     }
@@ -72,7 +136,7 @@ impl FeatureTable {
         self.starts.len() - 1
     }
 
-    /// The features of row `row`; none for [`NO_ROW`].
+    /// The static features of row `row`; none for [`NO_ROW`].
     #[inline]
     pub fn row(&self, row: u32) -> &[u32] {
         if row == NO_ROW {
@@ -80,22 +144,54 @@ impl FeatureTable {
         }
         &self.ids[self.starts[row as usize]..self.starts[row as usize + 1]]
     }
+
+    /// The keyed features of row `row`, each as the number that the key is added to.
+    #[inline]
+    pub fn keyed(&self, row: u32) -> &[u32] {
+        match self.keyed_starts.get(row as usize..) {
+            Some([start, end, ..]) => &self.firsts[*start..*end],
+            _ => &[],
+        }
+    }
+
+    /// All features of a view.
+    #[inline]
+    pub fn listed<'a>(&'a self, row: u32, key: u32, dynamic: &'a [u32]) -> Listed<'a> {
+        Listed { fixed: self.row(row), keyed: self.keyed(row), key, dynamic }
+    }
+
+    /// Which features can be dynamic ones, and how many of them a view has at most, as the [keyed part](FeatureTable::keyed_by) says.
+    pub(crate) fn beyond(&self) -> (u32, usize) {
+        self.beyond
+    }
 }
 
-/// Remembered features: 4 bytes for the static part however long its row is, 4 bytes for each dynamic feature.
+fn check(starts: &[usize], ids: &[u32]) {
+    assert!(starts.first() == Some(&0) && starts.last() == Some(&ids.len()) && starts.is_sorted());
+}
+
+/// Remembered features: 8 bytes for the static and the keyed part, however long they are, 4 bytes for each dynamic feature.
 #[derive(Clone, Debug, Default)]
 pub struct StoredFeatures {
-    rows: Vec<u32>,
+    rows: Vec<[u32; 2]>,
     ends: Vec<usize>,
     dynamic: Vec<u32>,
 }
 
 impl StoredFeatures {
-    /// View number `i`: its row of the [`FeatureTable`] and its dynamic features.
+    /// View number `i`: its row of the [`FeatureTable`], its key and its dynamic features.
     #[inline]
-    pub fn get(&self, i: usize) -> (u32, &[u32]) {
+    pub fn get(&self, i: usize) -> (u32, u32, &[u32]) {
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
-        (self.rows[i], &self.dynamic[start..self.ends[i]])
+        let [row, key] = self.rows[i];
+        (row, key, &self.dynamic[start..self.ends[i]])
+    }
+
+    /// All features of view number `i`, whose row is one of `table`.
+    #[inline]
+    pub fn listed<'a>(&'a self, i: usize, table: &'a FeatureTable) -> Listed<'a> {
+        let (row, key, dynamic) = self.get(i);
+        table.listed(row, key, dynamic)
     }
 }
 
@@ -111,14 +207,14 @@ impl Gather for StoredFeatures {
 
 impl Store<Features> for StoredFeatures {
     fn push(&mut self, view: &Features) {
-        self.rows.push(view.row);
+        self.rows.push([view.row, view.key]);
         self.dynamic.extend_from_slice(&view.dynamic);
         self.ends.push(self.dynamic.len());
     }
 
     fn recall(&self, i: usize, view: &mut Features) {
-        let (row, dynamic) = self.get(i);
-        (view.row, view.near) = (row, 0);
+        let (row, key, dynamic) = self.get(i);
+        (view.row, view.key) = (row, key);
         view.dynamic.clear();
         view.dynamic.extend_from_slice(dynamic);
     }

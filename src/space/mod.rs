@@ -40,7 +40,7 @@ pub use actions::{Action, Actions};
 pub(crate) use dense::DenseRows;
 pub use dense::{Dense, Width};
 pub(crate) use features::StoredFeatures;
-pub use features::{FeatureTable, Features, NO_ROW};
+pub use features::{FeatureTable, Features, Listed, NO_ROW};
 pub use marathon::Marathon;
 pub(crate) use marathon::Runner;
 pub use stacked::{Second, Stacked};
@@ -71,6 +71,13 @@ pub trait Space: Sync {
 
     /// Writes what a policy may see of `state` into `view`, whatever stood there before.
     fn look(&self, state: &Self::State, view: &mut Self::View);
+
+    /// Writes into `view` what little can be told of `state` at once, if that may be enough to decide by; returns whether it did. Of [`Features`] that is
+    /// the row and the key, as [`Space::look`] writes them. `false` is always right.
+    fn glance(&self, state: &Self::State, view: &mut Self::View) -> bool {
+        let _ = (state, view);
+        false
+    }
 
     /// Takes `action`, which is legal in `state`, and returns its immediate cost C(s,a). Whatever is random hangs below `seed`.
     fn step(&self, state: &mut Self::State, action: Action, seed: Seed) -> f64;

@@ -82,6 +82,14 @@ impl Classifier<Features> for AnyClassifier {
             AnyClassifier::Net(net) => net.choose(sight, memory),
         }
     }
+
+    #[inline]
+    fn choose_at_once(&self, sight: &Sight<'_, Features>, memory: &mut NeuralMemory) -> Option<Action> {
+        match self {
+            AnyClassifier::Linear(linear) => linear.choose_at_once(sight, &mut memory.input),
+            AnyClassifier::Net(_) => None,
+        }
+    }
 }
 
 /// Appends which kind of several `value` is, then what it is.

@@ -59,17 +59,16 @@ impl Reason {
         let other = others.reduce(better);
         let score = |action: Action| scores[action.index()];
         let weight = |feature: u32, action: Action| linear.weights.row(feature).map_or(0.0, |row| row[action.index()]);
-        let share = |feature: &u32| Share {
-            feature: *feature,
-            chosen: weight(*feature, chosen),
-            other: other.map_or(0.0, |other| weight(*feature, other)),
+        let share = |feature: u32| Share {
+            feature,
+            chosen: weight(feature, chosen),
+            other: other.map_or(0.0, |other| weight(feature, other)),
         };
-        let features = sight.shared.row(sight.view.row).iter().chain(&sight.view.dynamic);
         Reason {
             chosen,
             other,
             scores: [score(chosen), other.map_or(0.0, score)],
-            shares: features.map(share).collect(),
+            shares: sight.listed().iter().map(share).collect(),
         }
     }
 }

@@ -148,6 +148,14 @@ impl Classifier<Features> for AnyCourse {
             AnyCourse::Net(course) => course.choose(sight, memory),
         }
     }
+
+    #[inline]
+    fn choose_at_once(&self, sight: &Sight<'_, Features>, memory: &mut NeuralMemory) -> Option<Action> {
+        match self {
+            AnyCourse::Linear(course) => course.choose_at_once(sight, &mut memory.input),
+            AnyCourse::Svm(_) | AnyCourse::Crammer(_) | AnyCourse::Net(_) => None,
+        }
+    }
 }
 
 impl Kept<Features> for AnyCourse {

@@ -7,7 +7,7 @@ use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights};
 use crate::roll::Performance;
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Episode, FeatureTable, Features, Gather, Problem, Space, StateOf, ViewOf};
+use crate::space::{Action, Episode, FeatureTable, Features, Gather, Listed, Problem, Space, StateOf, ViewOf};
 use crate::worker::{Ledger, Visit, Worker, all, sweep};
 use serde::{Deserialize, Serialize};
 
@@ -245,24 +245,20 @@ impl Course<'_> {
         let best = &paths[0].actions;
         if best != right.get(..best.len()).unwrap_or_default() {
             let parts = best.iter().zip(right).take_while(|(a, b)| a == b).count();
-            let mut change = |features: &[u32], action: Action, by: f32| {
-                for feature in features {
-                    linear.weights.row_mut(*feature)[action.index()] += by;
-                    changes.row_mut(*feature)[action.index()] += *seen as f32 * by;
+            let mut change = |listed: Listed<'_>, action: Action, by: f32| {
+                for feature in listed.iter() {
+                    linear.weights.row_mut(feature)[action.index()] += by;
+                    changes.row_mut(feature)[action.index()] += *seen as f32 * by;
                 }
             };
             let reached = paths.iter().map(|path| path.actions.len()).max().unwrap_or(0);
             for (t, action) in right.iter().enumerate().take(reached).skip(parts) {
-                let (row, dynamic) = reference.views.views().get(first + t);
-                change(table.row(row), *action, 1.0);
-                change(dynamic, *action, 1.0);
+                change(reference.views.views().listed(first + t, table), *action, 1.0);
             }
             worker.episode(episode, |visit| {
                 let action = *best.get(visit.t())?;
                 if visit.t() >= parts {
-                    let sight = visit.sight();
-                    change(sight.shared.row(sight.view.row), action, -1.0);
-                    change(&sight.view.dynamic, action, -1.0);
+                    change(visit.sight().listed(), action, -1.0);
                 }
                 Some(action)
             });

@@ -475,7 +475,7 @@ mod tests {
             let examples = round.expect("horizons are known").0.examples;
             let mut table = Array2::zeros((mdp.horizon(), mdp.states()));
             for i in 0..examples.len() {
-                table[[i % mdp.horizon(), examples.views().get(i).1[0] as usize]] += 1.0 / SLOTS as f64;
+                table[[i % mdp.horizon(), examples.views().get(i).2[0] as usize]] += 1.0 / SLOTS as f64;
             }
             shares.push(table);
             if let Some(choice) = hats.get(n) {

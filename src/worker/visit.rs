@@ -16,6 +16,7 @@ pub(super) enum Kind {
 pub struct Visit<'v, P: Problem> {
     problem: &'v P,
     state: &'v StateOf<P>,
+    legal: Actions<'v>,
     ledger: &'v mut Ledger,
     view: &'v mut ViewOf<P>,
     looked: bool,
@@ -39,7 +40,9 @@ impl<'v, P: Problem> Visit<'v, P> {
         t: usize,
         run: Seed,
     ) -> Self {
-        Visit { problem, state, ledger, view, looked: false, kind, t, run, spent: 0.0, answer: None, labelled: false }
+        let legal = problem.space().legal(state);
+        let (looked, spent, answer, labelled) = (false, 0.0, None, false);
+        Visit { problem, state, legal, ledger, view, looked, kind, t, run, spent, answer, labelled }
     }
 
     /// The step, counted from 0.
@@ -64,7 +67,7 @@ impl<'v, P: Problem> Visit<'v, P> {
 
     /// The legal actions; never none.
     pub fn legal(&self) -> Actions<'v> {
-        self.problem.space().legal(self.state)
+        self.legal
     }
 
     /// What a policy can see here.
@@ -74,7 +77,14 @@ impl<'v, P: Problem> Visit<'v, P> {
             space.look(self.state, self.view);
             self.looked = true;
         }
-        Sight { shared: space.shared(), view: self.view, legal: space.legal(self.state) }
+        Sight { shared: space.shared(), view: self.view, legal: self.legal }
+    }
+
+    /// The little of it that is told [at a glance](Space::glance), where something is and nobody has looked yet.
+    pub(crate) fn glance(&mut self) -> Option<Sight<'_, ViewOf<P>>> {
+        let space = self.problem.space();
+        let told = !self.looked && space.glance(self.state, self.view);
+        told.then(|| Sight { shared: space.shared(), view: self.view, legal: self.legal })
     }
 
     /// What the space's views share.

@@ -118,6 +118,13 @@ pub fn problem(sentences: &Sentences) -> TaggingProblem {
     encoded(sentences).1
 }
 
+/// The same with features of two labels back, alone and with the word: a policy cannot decide by the last label alone.
+pub fn deep_problem(sentences: &Sentences) -> TaggingProblem {
+    let text = format!("{TEMPLATE}U3:%y[-2]/%y[-1]\nU4:%y[-2]/%x[0,0]\n");
+    let template = Template::parse(&text, "deep".as_ref()).expect("it is a template");
+    Encoding::learn(&corpus(sentences), template.into()).expect("the corpus is in order").1.problem()
+}
+
 pub fn tokens(problem: &impl Problem) -> u64 {
     (0..problem.episodes()).map(|i| problem.space().horizon(i).expect("sentences have lengths") as u64).sum()
 }

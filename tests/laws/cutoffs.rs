@@ -20,7 +20,9 @@ fn seen(corpus: &Corpus, cutoff: u8) -> [Vec<Vec<String>>; 2] {
         for token in sentence {
             space.look(&state, &mut view);
             fixed.push(space.shared().row(view.row).iter().map(name).collect::<Vec<_>>());
-            dynamic.push(view.dynamic.iter().map(name).collect());
+            let [_, (keyed, key), (rest, _)] = space.shared().listed(view.row, view.key, &view.dynamic).parts();
+            let keyed: Vec<u32> = keyed.iter().map(|feature| feature + key).collect();
+            dynamic.push(keyed.iter().chain(rest).map(name).collect());
             space.step(&mut state, Action(space.gold()[token]), rollin::Seed::new(1));
         }
     }

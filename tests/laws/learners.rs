@@ -37,8 +37,8 @@ impl School {
     /// Teaches these examples in this order, as they come up while acting.
     fn lessons<L: Online<Features>>(&self, learner: &L, course: &mut L::Course, order: &[usize]) {
         for &i in order {
-            let (row, dynamic) = self.examples.views().get(i);
-            let view = Features { row, dynamic: dynamic.to_vec(), ..Features::default() };
+            let (row, key, dynamic) = self.examples.views().get(i);
+            let view = Features { row, key, dynamic: dynamic.to_vec() };
             let sight = Sight { shared: &self.table, view: &view, legal: self.examples.legal(i) };
             learner.learn(course, &sight, Some(self.examples.target(i)));
         }

@@ -1,7 +1,7 @@
 //! What policies do: their memory does not matter, and their readings are what they say.
 
 use crate::common::{
-    Constant, Labels, any_corpora, corpora, drawn, fixed, learners, problem, rolls_out, sample, trainers,
+    Constant, Labels, any_corpora, corpora, deep_problem, drawn, fixed, learners, problem, rolls_out, sample, trainers,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -238,41 +238,49 @@ proptest! {
     /// something was remembered. The margins of small weights are often exactly the reach of the far part.
     #[test]
     fn what_the_near_part_decides_is_the_best_of_all(
-        lessons in vec((0u32..3, 0u32..4, vec(12u32..24, 0..3), 0u32..5, any::<bool>()), 1..120),
+        lessons in vec((0u32..3, 0u32..4, vec(12u32..24, 0..3), 0u32..5, 0..3), 1..120),
         fine: bool,
     ) {
-        let table = FeatureTable::from_rows(24, vec![0, 2, 3, 4], vec![0, 1, 2, 3]);
+        // Two features that follow from row and key, and up to two others.
+        let rows = FeatureTable::from_rows(24, vec![0, 2, 3, 4], vec![0, 1, 2, 3]);
+        let table = rows.keyed_by(vec![0, 2, 4, 6], vec![4, 4, 4, 5, 4, 6], 12, 2);
         let list: Vec<Action> = [0, 2, 3, 4].map(Action).into();
         let setting = Setting { shared: &table, actions: 5 };
         // Logistic's weights are anything, those of a perceptron are whole numbers.
         let learner = if fine { AnyLearner::Logistic(Logistic::default()) } else { AnyLearner::Perceptron(Perceptron::default()) };
         let (mut course, mut memory) = (learner.begin(setting, None), Default::default());
         let mut examples = Examples::default();
-        for (row, key, far, label, learn) in lessons {
+        for (row, key, dynamic, label, learn) in lessons {
             let legal = if key == 3 { Actions::Only(&list) } else { Actions::All(5) };
-            // Three near features that follow from row and key, and any others.
-            let near = [4 + key, 8 + row, 4 + (key + row) % 4];
-            let view = Features { row, dynamic: near.iter().chain(&far).copied().collect(), near: near.len(), key };
+            let view = Features { row, key, dynamic };
             let sight = Sight { shared: &table, view: &view, legal };
             let best = legal.best(course.scores(&sight, &mut Default::default()));
+            prop_assert!(course.choose_at_once(&sight, &mut memory).is_none_or(|at_once| at_once == best));
             prop_assert_eq!(course.choose(&sight, &mut memory), best);
-            if learn {
-                let label = legal.nth(label as usize % legal.len());
-                learner.learn(&mut course, &sight, Some(Target::Label(label)));
-                examples.push(&view, legal, Target::Label(label));
+            let target = Target::Label(legal.nth(label as usize % legal.len()));
+            // What is learned in passing is not measured; what is studied is.
+            match learn {
+                0 => {}
+                1 => _ = learner.learn(&mut course, &sight, Some(target)),
+                _ => {
+                    let mut lesson = Examples::default();
+                    lesson.push(&view, legal, target);
+                    learner.study(&mut course, setting, &lesson);
+                    examples.push(&view, legal, target);
+                }
             }
         }
         // The same with a classifier that is finished.
         let (fitted, mut memory) = (learner.fit(setting, &examples, None, Seed::new(1)), Default::default());
         for i in 0..examples.len() {
-            let (row, dynamic) = examples.views().get(i);
+            let (row, _, dynamic) = examples.views().get(i);
             for key in 0..4 {
-                let mut dynamic = dynamic.to_vec();
-                (dynamic[0], dynamic[2]) = (4 + key, 4 + (key + row) % 4);
-                let view = Features { row, dynamic, near: 3, key };
+                let view = Features { row, key, dynamic: dynamic.to_vec() };
                 let legal = if key == 3 { Actions::Only(&list) } else { Actions::All(5) };
                 let sight = Sight { shared: &table, view: &view, legal };
-                prop_assert_eq!(fitted.choose(&sight, &mut memory), legal.best(fitted.scores(&sight, &mut Default::default())));
+                let best = legal.best(fitted.scores(&sight, &mut Default::default()));
+                prop_assert!(fitted.choose_at_once(&sight, &mut memory).is_none_or(|at_once| at_once == best));
+                prop_assert_eq!(fitted.choose(&sight, &mut memory), best);
             }
         }
     }
@@ -293,7 +301,7 @@ proptest! {
             let among = first..(first + count).min(60);
             let list: Vec<Action> = among.filter(|a| !sparse || a % 3 == first % 3).map(|a| Action(a as u32)).collect();
             let legal = Actions::Only(&list);
-            let view = Features { row, dynamic, near: 0, key: 0 };
+            let view = Features { row, key: 0, dynamic };
             let sight = Sight { shared: &table, view: &view, legal };
             let features = || table.row(row).iter().chain(&view.dynamic);
             let sum = |a: &Action| features().fold(0.0, |sum, f| sum + weights[*f as usize][a.index()]);
@@ -307,22 +315,26 @@ proptest! {
         }
     }
 
-    /// Views of a tagger that agree in row and key agree in their near features and in what is legal.
+    /// What a tagger sees at a glance is what it sees when it looks, and views that agree in it agree in what is legal.
     #[test]
-    fn near_features_follow_from_row_and_key(sentences in any_corpora(6, 8), number: u64) {
-        let problem = problem(&sentences);
+    fn a_glance_tells_what_is_legal(sentences in any_corpora(6, 8), number: u64) {
+        let problem = deep_problem(&sentences);
+        let space = &problem.space;
         let mut seen = std::collections::HashMap::new();
-        let mut worker = Worker::new(&problem);
         for index in (0..problem.episodes()).flat_map(|index| [index; 20]) {
             let seed = Seed::new(number).child(Purpose::Episode, seen.len() as u64);
-            worker.episode(Episode { index, seed }, |visit| {
-                let legal: Vec<Action> = visit.legal().iter().collect();
-                let any = legal[(visit.seed().unit() * legal.len() as f64) as usize];
-                let view = visit.sight().view.clone();
-                let near = (view.dynamic[..view.near].to_vec(), legal);
-                assert_eq!(seen.entry((view.row, view.key)).or_insert_with(|| near.clone()), &near);
-                Some(any)
-            });
+            let (mut state, mut view, mut glance) = (space.start(Episode { index, seed }), Features::default(), Features::default());
+            for t in 0.. {
+                let legal: Vec<Action> = space.legal(&state).iter().collect();
+                if legal.is_empty() {
+                    break;
+                }
+                space.look(&state, &mut view);
+                assert!(space.glance(&state, &mut glance) && (glance.row, glance.key) == (view.row, view.key));
+                assert_eq!(seen.entry((view.row, view.key)).or_insert_with(|| legal.clone()), &legal);
+                let any = seed.child(Purpose::Step, t).unit() * legal.len() as f64;
+                space.step(&mut state, legal[any as usize], seed);
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Roll-outs against a simulation of their own, and what is recorded of them.
 
-use crate::common::{Labels, any_corpora, fixed, problem, sample};
+use crate::common::{Labels, any_corpora, deep_problem, fixed, problem, sample};
 use proptest::prelude::*;
 use rollin::learner::{Csoaa, Learner, Perceptron, Setting, Target, Wap};
 use rollin::policy::{Columns, Follow, Linear, Mixture, Policy};
@@ -18,8 +18,8 @@ fn naive_choice(space: &Tagging, state: &Position, classifier: &Linear) -> Actio
     let mut view = Features::default();
     space.look(state, &mut view);
     let mut sums = vec![0f32; classifier.weights.columns()];
-    for feature in space.shared().row(view.row).iter().chain(&view.dynamic) {
-        if let Some(row) = classifier.weights.row(*feature) {
+    for feature in space.shared().listed(view.row, view.key, &view.dynamic).iter() {
+        if let Some(row) = classifier.weights.row(feature) {
             sums.iter_mut().zip(row).for_each(|(sum, w)| *sum += w);
         }
     }
@@ -100,7 +100,7 @@ proptest! {
         drop_expert: bool,
         number: u64,
     ) {
-        let problem = problem(&sentences);
+        let problem = deep_problem(&sentences);
         let grown = mixture(&problem, &rates);
         let mixture = if drop_expert { grown.without_expert() } else { grown };
         let all_costs = |remember: bool| {
@@ -135,7 +135,7 @@ proptest! {
         drop_expert: bool,
         number: u64,
     ) {
-        let problem = problem(&sentences);
+        let problem = deep_problem(&sentences);
         let space = &problem.space;
         let grown = mixture(&problem, &rates);
         let mixture = if drop_expert { grown.without_expert() } else { grown };

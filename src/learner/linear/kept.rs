@@ -19,7 +19,7 @@ impl Kept<Features> for Course {
     fn take(from: &mut Arrays<'_>, setting: Setting<'_, Features>) -> Option<Self> {
         let columns = take_columns(from, setting)?;
         let Linear { actions, mut weights, .. } = take_weights(from, setting, setting.actions, columns)?;
-        weights.measure();
+        weights.measure(setting.shared);
         let (seen, count) = <(u64, usize)>::take(from, setting)?;
         if seen > MOST_COUNTED {
             return None;

@@ -159,6 +159,10 @@ impl Space for Segmenting {
         self.tagging.look(state, view);
     }
 
+    fn glance(&self, state: &Position, view: &mut Features) -> bool {
+        self.tagging.glance(state, view)
+    }
+
     fn step(&self, state: &mut Position, action: Action, _: Seed) -> f64 {
         let Segment { length, label, .. } = self.segments.get(action);
         let gold = self.gold(state).iter().take(length as usize).enumerate();

@@ -257,29 +257,44 @@ impl Encoding {
         // Those that look no further back than one label come first, and lines that look at the same labels stand side by side.
         lines.sort_by_key(|(_, labels)| (labels.iter().any(|k| *k < -1), *labels));
         for (line, labels) in lines {
-            let mut numbered =
-                HistoryLine::new(line, labels, self.contexts[line].len(), self.labels.len(), base as u32);
-            numbered.again = history.last().is_some_and(|last| last.labels == labels);
-            base += numbered.size as usize;
+            history.push(HistoryLine::new(line, labels, self.contexts[line].len(), self.labels.len(), base as u32));
+            base += history[history.len() - 1].size as usize;
             if base > u32::MAX as usize {
                 return Err(Error::argument("features", base, format!("at most {}", u32::MAX)));
             }
-            history.push(numbered);
         }
         self.history = history.into();
         Ok(())
     }
 
     fn space(&self, corpus: &Corpus, rows: Rows, gold: Vec<u32>) -> Tagging {
+        let (keyed, mut history): (Vec<HistoryLine>, Vec<HistoryLine>) =
+            self.history.iter().cloned().partition(HistoryLine::is_keyed);
+        for i in 1..history.len() {
+            history[i].again = history[i - 1].labels == history[i].labels;
+        }
+        let mut keyed_starts = Vec::with_capacity(corpus.tokens() + 1);
+        keyed_starts.push(0);
+        let mut keyed_firsts = Vec::with_capacity(corpus.tokens() * keyed.len());
+        let mut firsts = Vec::with_capacity(corpus.tokens() * history.len());
+        for token in 0..corpus.tokens() {
+            let contexts = &rows.contexts[token * self.history.len()..][..self.history.len()];
+            let first = |line: &HistoryLine| line.first(contexts[line.line]);
+            keyed_firsts.extend(keyed.iter().map(first).filter(|first| *first != NO_CONTEXT));
+            keyed_starts.push(keyed_firsts.len());
+            firsts.extend(history.iter().map(first));
+        }
+        let dynamic = history.first().map_or(self.features(), |line| line.base as usize) as u32;
+        let table = FeatureTable::from_rows(self.features(), rows.starts, rows.ids);
         Tagging {
-            table: Arc::new(FeatureTable::from_rows(self.features(), rows.starts, rows.ids)),
+            table: Arc::new(table.keyed_by(keyed_starts, keyed_firsts, dynamic, history.len())),
             sentences: corpus.starts.windows(2).map(|pair| [pair[0], pair[1]]).collect(),
             gold: gold.into(),
             transitions: self.transitions.clone(),
             labels: self.labels.len(),
-            history: self.history.clone(),
             far: Tagging::farthest(&self.history),
-            contexts: rows.contexts.into(),
+            history: history.into(),
+            firsts: firsts.into(),
             reading: Reading::Only,
         }
     }

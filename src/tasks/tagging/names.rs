@@ -100,8 +100,8 @@ mod tests {
             let (mut state, mut view) = (space.start(Episode { index: 0, seed }), Features::default());
             for (t, word) in words.iter().enumerate() {
                 space.look(&state, &mut view);
-                let mut found: Vec<String> = (space.shared().row(view.row).iter().chain(&view.dynamic))
-                    .map(|feature| names(*feature).expect("all occur")).collect();
+                let mut found: Vec<String> = space.shared().listed(view.row, view.key, &view.dynamic).iter()
+                    .map(|feature| names(feature).expect("all occur")).collect();
                 found.sort();
                 let before = |k: usize| t.checked_sub(k).map_or("_", |at| tags[at].as_str());
                 let pad = t.checked_sub(1).map_or("_B-1", |at| words[at].as_str());

@@ -18,8 +18,6 @@ pub struct HistoryLine {
     pub labels: Vec<i32>,
     /// Whether one of them is that of a first reading.
     pub ahead: bool,
-    /// Whether none of them is further back than the one before.
-    pub near: bool,
     /// Whether the line before looks at the same labels.
     pub(super) again: bool,
     /// The first of its feature numbers.
@@ -47,12 +45,24 @@ impl HistoryLine {
             line,
             labels: at.to_vec(),
             ahead: at.iter().any(|k| *k >= 0),
-            near: at.iter().all(|k| *k >= -1),
             again: false,
             base,
             size: all.unwrap_or(MOST) as u32,
             codes: codes.unwrap_or(MOST),
             exact: all.is_some(),
+        }
+    }
+
+    /// Whether the label before is the only one that it looks at, and added to the [first](HistoryLine::first) number of a context gives its feature.
+    pub(super) fn is_keyed(&self) -> bool {
+        self.exact && self.labels == [-1]
+    }
+
+    /// What [`HistoryLine::number`] needs of `context`: the first of its feature numbers, where they are its own.
+    pub(super) fn first(&self, context: u32) -> u32 {
+        match self.exact && context != NO_CONTEXT {
+            true => self.base + context * self.codes as u32,
+            false => context,
         }
     }
 
@@ -62,13 +72,13 @@ impl HistoryLine {
         self.labels.iter().fold(0, |code: u64, k| code.wrapping_mul(labels + 1).wrapping_add(u64::from(label(*k))))
     }
 
-    /// The feature number of `context` with the labels of `code`.
+    /// The feature number with the labels of `code` of the context whose [first](HistoryLine::first) this is.
     #[inline]
-    fn number(&self, context: u32, code: u64) -> u32 {
-        let n = u64::from(context).wrapping_mul(self.codes).wrapping_add(code);
+    fn number(&self, first: u32, code: u64) -> u32 {
         if self.exact {
-            return self.base + n as u32;
+            return first + code as u32;
         }
+        let n = u64::from(first).wrapping_mul(self.codes).wrapping_add(code);
         let n = (n ^ n >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         self.base + (n >> 29) as u32 % MOST as u32
     }
@@ -97,7 +107,7 @@ impl HistoryLine {
 
     /// The feature number of `context` with these labels.
     pub(super) fn feature(&self, context: u32, labels: u64, label: impl Fn(i32) -> u16) -> u32 {
-        self.number(context, self.code(labels, label))
+        self.number(self.first(context), self.code(labels, label))
     }
 }
 
@@ -112,11 +122,12 @@ pub struct Tagging {
     pub(super) gold: Arc<[u32]>,
     pub(super) transitions: Arc<Transitions>,
     pub(super) labels: usize,
+    /// The lines that are not [keyed](HistoryLine::is_keyed): those are in the table.
     pub(super) history: Arc<[HistoryLine]>,
     /// How many labels back the future of a state depends on; `None` if they do not fit into a signature.
     pub(super) far: Option<usize>,
-    /// `contexts[token * history.len() + line]`
-    pub(super) contexts: Arc<[u32]>,
+    /// `firsts[token * history.len() + i]`: the [first](HistoryLine::first) of the context of line i of the history, or [`NO_CONTEXT`].
+    pub(super) firsts: Arc<[u32]>,
     pub(super) reading: Reading,
 }
 
@@ -245,27 +256,19 @@ impl Tagging {
 }
 
 impl Tagging {
-    /// Writes into `view` what there is to see with these history lines, the near ones first, and the labels around.
+    /// Writes into `view` what there is to see; `label` knows the labels around, those ahead only where they are wanted.
     #[inline]
-    fn look_around<'a>(
-        &self,
-        state: &Position,
-        lines: impl Iterator<Item = &'a HistoryLine>,
-        label: impl Fn(i32) -> u16,
-        view: &mut Features,
-    ) {
-        let contexts = &self.contexts[state.token as usize * self.history.len()..][..self.history.len()];
-        (view.row, view.key, view.near) = (state.token, state.previous(), 0);
+    fn look_around(&self, state: &Position, ahead: bool, label: impl Fn(i32) -> u16, view: &mut Features) {
+        let firsts = &self.firsts[state.token as usize * self.history.len()..][..self.history.len()];
+        (view.row, view.key) = (state.token, state.previous());
         view.dynamic.clear();
         let mut code = 0;
-        for line in lines {
+        for (line, first) in self.history.iter().zip(firsts).filter(|(line, _)| ahead || !line.ahead) {
             if !line.again {
                 code = line.code(self.labels as u64, &label);
             }
-            let context = contexts[line.line];
-            if context != NO_CONTEXT {
-                view.dynamic.push(line.number(context, code));
-                view.near += usize::from(line.near);
+            if *first != NO_CONTEXT {
+                view.dynamic.push(line.number(*first, code));
             }
         }
     }
@@ -295,13 +298,16 @@ impl Space for Tagging {
             Reading::Second(said) => {
                 let said = &said[state.token as usize..(state.token + state.left) as usize];
                 let around = |k: i32| if k < 0 { before(k) } else { said.get(k as usize).copied().unwrap_or(begin) };
-                self.look_around(state, self.history.iter(), around, view);
+                self.look_around(state, true, around, view);
             }
-            _ => {
-                let alone = self.history.iter().filter(|line| !line.ahead);
-                self.look_around(state, alone, before, view);
-            }
+            _ => self.look_around(state, false, before, view),
         }
+    }
+
+    #[inline]
+    fn glance(&self, state: &Position, view: &mut Features) -> bool {
+        (view.row, view.key) = (state.token, state.previous());
+        true
     }
 
     #[inline]

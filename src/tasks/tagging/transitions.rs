@@ -31,10 +31,8 @@ impl Order {
 pub struct Transitions {
     order: Order,
     labels: usize,
-    /// What the order says, where there is one.
-    after: Option<Rows>,
-    /// The same for the last token of a sentence, where that is another matter.
-    at_end: Option<Rows>,
+    /// What the order says, where there is one: inside a sentence, and for its last token.
+    rows: Option<[Rows; 2]>,
     /// The span type of each label; labels of one type are kin.
     kinds: Vec<u32>,
 }
@@ -93,14 +91,13 @@ impl Transitions {
             let row = |before: Option<&str>| names.iter().map(|name| may_follow(before, name, end)).collect();
             Rows::of(befores.clone().map(row).collect())
         };
-        let after = (order != Order::Free).then(|| table(false));
-        let at_end = (order == Order::Bilou).then(|| table(true));
-        Transitions { order, labels: names.len(), after, at_end, kinds }
+        let rows = (order != Order::Free).then(|| [table(false), table(true)]);
+        Transitions { order, labels: names.len(), rows, kinds }
     }
 
     /// The same labels without any order.
     pub fn freed(&self) -> Self {
-        Transitions { order: Order::Free, after: None, at_end: None, ..self.clone() }
+        Transitions { order: Order::Free, rows: None, ..self.clone() }
     }
 
     /// The order that labels of these names suggest, where every one is `O` or a prefix and a type: BILOU with at least one `L-X`, `U-X`, `E-X` or
@@ -134,7 +131,7 @@ impl Transitions {
 
     #[inline]
     fn rows(&self, left: u32) -> Option<&Rows> {
-        self.at_end.as_ref().filter(|_| left == 1).or(self.after.as_ref())
+        self.rows.as_ref().map(|rows| &rows[usize::from(left == 1)])
     }
 
     /// Whether `label` may follow `previous` there.
