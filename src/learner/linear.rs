@@ -5,6 +5,7 @@ use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best, re
 use crate::seed::Seed;
 use crate::space::{Action, Actions, Features, Listed, Sight};
 use rand::seq::SliceRandom;
+use std::ops::Range;
 
 mod kept;
 
@@ -209,6 +210,28 @@ impl Classifier<Features> for Course {
     }
 }
 
+/// Examples that are gathered before they are learned from.
+const AHEAD: usize = 32;
+
+/// Writes the features of the examples `some` one after the other into `features`, and returns where those of each stand, what was legal and what is to be learned. In random order each
+/// example would wait for memory, one place after the other, before the next begins to; so they wait side by side.
+fn gather<'a>(
+    setting: Setting<'a, Features>,
+    examples: &'a Examples<Features>,
+    some: &[u32],
+    features: &mut Vec<u32>,
+) -> Vec<(Range<usize>, Actions<'a>, Target<'a>)> {
+    features.clear();
+    let mut lesson = |i: &u32| {
+        let (i, start) = (*i as usize, features.len());
+        for (part, more) in examples.views().listed(i, setting.shared).parts() {
+            features.extend(part.iter().map(|feature| feature + more));
+        }
+        (start..features.len(), examples.legal(i), examples.target(i))
+    };
+    some.iter().map(&mut lesson).collect()
+}
+
 impl<R: Rule> Learner<Features> for R {
     type Classifier = Linear;
 
@@ -221,14 +244,15 @@ impl<R: Rule> Learner<Features> for R {
     ) -> Linear {
         let mut course = start(self, setting, warm);
         let mut order: Vec<u32> = (0..examples.len() as u32).collect();
-        let mut rng = seed.rng();
+        let (mut rng, mut features) = (seed.rng(), Vec::new());
         for _ in 0..self.passes() {
             order.shuffle(&mut rng);
-            for &i in &order {
-                let features = examples.views().listed(i as usize, setting.shared);
-                let legal = examples.legal(i as usize);
-                course.score(features, legal);
-                course.learn(self, features, legal, examples.target(i as usize));
+            for some in order.chunks(AHEAD) {
+                for (place, legal, target) in gather(setting, examples, some, &mut features) {
+                    let features = Listed { fixed: &features[place], keyed: &[], key: 0, dynamic: &[] };
+                    course.score(features, legal);
+                    course.learn(self, features, legal, target);
+                }
             }
         }
         let mut learned = self.finish(course);
