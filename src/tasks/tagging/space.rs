@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 /// How many labels back a history feature may look.
 pub const MAX_ORDER: usize = crate::read::template::BACK as usize;
+const _: () = assert!(MAX_ORDER == 8, "a history of 128 bits has room for no more");
 
 /// The feature numbers of one history line of a template: every context with every combination of the labels it looks at.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -148,8 +149,8 @@ pub struct Position {
     token: u32,
     /// Tokens without a label.
     left: u32,
-    /// The last label first; [`Transitions::begin`] where there is none.
-    history: [u16; MAX_ORDER],
+    /// Sixteen bits a label, the last one lowest; [`Transitions::begin`] where there is none.
+    history: u128,
 }
 
 impl Position {
@@ -167,12 +168,23 @@ impl Position {
     pub(in crate::tasks) fn advance(&mut self, tokens: u32, label: u32) {
         self.token += tokens;
         self.left -= tokens;
-        self.history.copy_within(..MAX_ORDER - 1, 1);
-        self.history[0] = label as u16;
+        self.say(label);
     }
 
+    #[inline]
+    fn say(&mut self, label: u32) {
+        self.history = self.history << 16 | u128::from(label as u16);
+    }
+
+    /// The label `back` tokens back, from 1.
+    #[inline]
+    fn before(&self, back: usize) -> u16 {
+        (self.history >> (16 * (back - 1))) as u16
+    }
+
+    #[inline]
     fn previous(&self) -> u32 {
-        u32::from(self.history[0])
+        u32::from(self.before(1))
     }
 }
 
@@ -229,6 +241,14 @@ impl Tagging {
         (far <= MAX_ORDER.min(4)).then_some(far)
     }
 
+    /// Whether the right label is legal after `state` whatever is taken there, or there is none.
+    fn needs_no_detour(&self, state: &Position) -> bool {
+        let left = state.left - 1;
+        self.transitions.order() == Order::Free
+            || left == 0
+            || self.transitions.allows_anywhere(self.gold[state.token as usize + 1], left)
+    }
+
     /// How many labels are wrong at best after `state` if `previous` is taken there: until the right label is legal again all are, and after
     /// that none need be.
     fn detour(&self, state: &Position, previous: u32) -> u32 {
@@ -237,6 +257,9 @@ impl Tagging {
         let after = |previous: u32, at: u32| self.transitions.after(previous, end - at).iter().map(|a| a.0);
         if self.transitions.order() == Order::Free || next == end || right(previous, next) {
             return 0;
+        }
+        if next + 1 == end || self.transitions.is_near(self.gold[next as usize + 1], end - next - 1) {
+            return 1;
         }
         let only = [previous];
         let mut front = Cow::from(&only[..]);
@@ -279,10 +302,10 @@ impl Space for Tagging {
     type View = Features;
 
     fn start(&self, episode: Episode) -> Position {
-        let begin = self.transitions.begin() as u16;
+        let begin = u128::from(self.transitions.begin() as u16);
         let [start, end] = self.sentences[episode.index];
         let token = if matches!(self.reading, Reading::First) { end - 1 } else { start };
-        Position { token, left: end - start, history: [begin; MAX_ORDER] }
+        Position { token, left: end - start, history: (0..MAX_ORDER).fold(0, |history, _| history << 16 | begin) }
     }
 
     #[inline]
@@ -293,7 +316,7 @@ impl Space for Tagging {
     #[inline]
     fn look(&self, state: &Position, view: &mut Features) {
         let begin = self.transitions.begin() as u16;
-        let before = |k: i32| state.history[(-k) as usize - 1];
+        let before = |k: i32| state.before((-k) as usize);
         match &self.reading {
             Reading::Second(said) => {
                 let said = &said[state.token as usize..(state.token + state.left) as usize];
@@ -316,8 +339,7 @@ impl Space for Tagging {
         state.token =
             if matches!(self.reading, Reading::First) { state.token.wrapping_sub(1) } else { state.token + 1 };
         state.left -= 1;
-        state.history.copy_within(..MAX_ORDER - 1, 1);
-        state.history[0] = action.0 as u16;
+        state.say(action.0);
         f64::from(wrong)
     }
 
@@ -333,8 +355,7 @@ impl Space for Tagging {
     /// The labels that history features and the order of labels look at, where they fit.
     #[inline]
     fn signature(&self, state: &Position) -> Option<u64> {
-        let labels = &state.history[..self.far?];
-        Some(labels.iter().fold(0, |packed, label| packed << 16 | u64::from(*label)))
+        Some(state.history as u64 & u64::MAX >> (64 - 16 * self.far?))
     }
 
     fn shared(&self) -> &FeatureTable {
@@ -373,11 +394,12 @@ impl CostToGo<Tagging> for Gold {
     fn costs(&self, space: &Tagging, state: &Position, costs: &mut Vec<f64>) {
         costs.clear();
         let Some(gold) = space.gold.get(state.token as usize) else { return };
-        costs.extend(
-            space
-                .legal(state)
-                .iter()
-                .map(|action| f64::from(action.0 != *gold) + f64::from(space.detour(state, action.0))),
-        );
+        let wrong = |action: Action| f64::from(action.0 != *gold);
+        let legal = space.legal(state).iter();
+        if space.needs_no_detour(state) {
+            costs.extend(legal.map(wrong));
+        } else {
+            costs.extend(legal.map(|action| wrong(action) + f64::from(space.detour(state, action.0))));
+        }
     }
 }

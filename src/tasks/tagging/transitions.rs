@@ -43,12 +43,21 @@ struct Rows {
     allowed: Vec<Vec<bool>>,
     /// The same as lists.
     lists: Vec<Box<[Action]>>,
+    /// The labels that may follow every other, and come first.
+    anywhere: Vec<bool>,
+    /// Those, and the labels that may follow a label that may follow every other.
+    near: Vec<bool>,
 }
 
 impl Rows {
-    fn of(allowed: Vec<Vec<bool>>) -> Self {
+    /// What is `allowed` after each label, which itself may follow those that `before` allows, or these.
+    fn of(allowed: Vec<Vec<bool>>, before: Option<&Rows>) -> Self {
         let list = |row: &Vec<bool>| (0..).zip(row).filter(|(_, may)| **may).map(|(y, _)| Action(y)).collect();
-        Rows { lists: allowed.iter().map(list).collect(), allowed }
+        let labels = 0..allowed[0].len();
+        let anywhere: Vec<bool> = labels.clone().map(|y| allowed.iter().all(|row| row[y])).collect();
+        let open = before.map_or(&anywhere, |rows| &rows.anywhere);
+        let near = labels.clone().map(|y| anywhere[y] || labels.clone().any(|x| open[x] && allowed[x][y])).collect();
+        Rows { lists: allowed.iter().map(list).collect(), near, anywhere, allowed }
     }
 }
 
@@ -87,11 +96,15 @@ impl Transitions {
             }
         };
         let befores = names.iter().map(|name| Some(name.as_str())).chain([None]);
-        let table = |end: bool| {
+        let table = |end: bool, before: Option<&Rows>| {
             let row = |before: Option<&str>| names.iter().map(|name| may_follow(before, name, end)).collect();
-            Rows::of(befores.clone().map(row).collect())
+            Rows::of(befores.clone().map(row).collect(), before)
         };
-        let rows = (order != Order::Free).then(|| [table(false), table(true)]);
+        let rows = (order != Order::Free).then(|| {
+            let inside = table(false, None);
+            let last = table(true, Some(&inside));
+            [inside, last]
+        });
         Transitions { order, labels: names.len(), rows, kinds }
     }
 
@@ -138,6 +151,18 @@ impl Transitions {
     #[inline]
     pub fn allows(&self, previous: u32, label: u32, left: u32) -> bool {
         self.rows(left).is_none_or(|rows| rows.allowed[previous as usize][label as usize])
+    }
+
+    /// Whether `label` may follow whatever stands before it there.
+    #[inline]
+    pub fn allows_anywhere(&self, label: u32, left: u32) -> bool {
+        self.rows(left).is_none_or(|rows| rows.anywhere[label as usize])
+    }
+
+    /// Whether `label` may follow, there, some label that may follow whatever stands before that: none is ever further away than one step.
+    #[inline]
+    pub fn is_near(&self, label: u32, left: u32) -> bool {
+        self.rows(left).is_none_or(|rows| rows.near[label as usize])
     }
 
     /// Whether some label may follow every other, one may come first, and a sentence may end everywhere or in one label more: without that it could
