@@ -5,6 +5,7 @@
 //! the last action, and stands in the table too. The dynamic part depends on the decisions so far and is listed in the view itself.
 
 use super::{Gather, Sight, Store, View};
+use std::ops::Range;
 
 /// The row of a view that has no static part.
 pub const NO_ROW: u32 = u32::MAX;
@@ -81,10 +82,10 @@ impl View for Features {
 #[derive(Clone, Debug)]
 pub struct FeatureTable {
     features: usize,
-    starts: Vec<usize>,
+    bounds: Bounds,
     ids: Vec<u32>,
-    /// The same of the keyed part, empty where there is none.
-    keyed_starts: Vec<usize>,
+    /// The same of the keyed part.
+    keyed: Bounds,
     firsts: Vec<u32>,
     /// The first feature that is neither static nor keyed, and how many such features a view has at most.
     beyond: (u32, usize),
@@ -101,8 +102,9 @@ impl FeatureTable {
     /// # Panics
     /// When `starts` does not begin with 0, descend nowhere and end with the length of `ids`.
     pub fn from_rows(features: usize, starts: Vec<usize>, ids: Vec<u32>) -> Self {
-        check(&starts, &ids);
-        FeatureTable { features, starts, ids, keyed_starts: Vec::new(), firsts: Vec::new(), beyond: (0, 0) }
+        let bounds = Bounds::of(starts, &ids);
+        let keyed = Bounds::Even { width: 0, rows: bounds.rows() };
+        FeatureTable { features, bounds, ids, keyed, firsts: Vec::new(), beyond: (0, 0) }
     }
 
     /// The same table with a keyed part. Of row r, `firsts[starts[r]]` to `firsts[starts[r+1]]` stand for one feature each, whose number is the
@@ -115,9 +117,9 @@ impl FeatureTable {
     /// # Panics
     /// When `starts` does not begin with 0, descend nowhere and end with the length of `firsts`, or has not as many rows as the table.
     pub fn keyed_by(self, starts: Vec<usize>, firsts: Vec<u32>, dynamic: u32, most: usize) -> Self {
-        check(&starts, &firsts);
-        assert_eq!(starts.len(), self.starts.len(), "a keyed part for every row");
-        FeatureTable { keyed_starts: starts, firsts, beyond: (dynamic, most), ..self }
+        let keyed = Bounds::of(starts, &firsts);
+        assert_eq!(keyed.rows(), self.rows(), "a keyed part for every row");
+        FeatureTable { keyed, firsts, beyond: (dynamic, most), ..self }
     }
 
     /// The same rows where there are `more` further features, numbered after all that are here, of which a view may have any.
@@ -133,7 +135,7 @@ impl FeatureTable {
 
     /// How many rows there are.
     pub fn rows(&self) -> usize {
-        self.starts.len() - 1
+        self.bounds.rows()
     }
 
     /// The static features of row `row`; none for [`NO_ROW`].
@@ -142,16 +144,16 @@ impl FeatureTable {
         if row == NO_ROW {
             return &[];
         }
-        &self.ids[self.starts[row as usize]..self.starts[row as usize + 1]]
+        &self.ids[self.bounds.of_row(row as usize)]
     }
 
     /// The keyed features of row `row`, each as the number that the key is added to.
     #[inline]
     pub fn keyed(&self, row: u32) -> &[u32] {
-        match self.keyed_starts.get(row as usize..) {
-            Some([start, end, ..]) => &self.firsts[*start..*end],
-            _ => &[],
+        if row == NO_ROW {
+            return &[];
         }
+        &self.firsts[self.keyed.of_row(row as usize)]
     }
 
     /// All features of a view.
@@ -166,8 +168,40 @@ impl FeatureTable {
     }
 }
 
-fn check(starts: &[usize], ids: &[u32]) {
-    assert!(starts.first() == Some(&0) && starts.last() == Some(&ids.len()) && starts.is_sorted());
+/// Where the rows of a table start and end.
+#[derive(Clone, Debug)]
+enum Bounds {
+    /// All are as long.
+    Even { width: usize, rows: usize },
+    /// Row r goes from number r to number r+1.
+    Listed(Vec<usize>),
+}
+
+impl Bounds {
+    /// Those of the rows of `ids` that start there.
+    fn of(starts: Vec<usize>, ids: &[u32]) -> Self {
+        assert!(starts.first() == Some(&0) && starts.last() == Some(&ids.len()) && starts.is_sorted());
+        let (rows, width) = (starts.len() - 1, starts.get(1).copied().unwrap_or(0));
+        match starts.windows(2).all(|bounds| bounds[1] - bounds[0] == width) {
+            true => Bounds::Even { width, rows },
+            false => Bounds::Listed(starts),
+        }
+    }
+
+    fn rows(&self) -> usize {
+        match self {
+            Bounds::Even { rows, .. } => *rows,
+            Bounds::Listed(starts) => starts.len() - 1,
+        }
+    }
+
+    #[inline]
+    fn of_row(&self, row: usize) -> Range<usize> {
+        match self {
+            Bounds::Even { width, .. } => row * width..(row + 1) * width,
+            Bounds::Listed(starts) => starts[row]..starts[row + 1],
+        }
+    }
 }
 
 /// Remembered features: 8 bytes for the static and the keyed part, however long they are, 4 bytes for each dynamic feature.
