@@ -3,7 +3,7 @@
 use super::{Examples, Learner, Online, Setting, Target};
 use crate::policy::{Classifier, Columns, Linear, LinearMemory, Weights, best, reserve_some};
 use crate::seed::Seed;
-use crate::space::{Action, Actions, Features, Listed, Sight};
+use crate::space::{Action, Actions, Features, Front, Listed, Sight};
 use rand::seq::SliceRandom;
 use std::ops::Range;
 
@@ -94,9 +94,8 @@ impl Course {
     /// Scores the example with these features.
     #[inline]
     fn score(&mut self, features: Listed<'_>, legal: Actions<'_>) {
-        self.scores.fill(0.0);
         let span = self.weights.span(self.columns, legal);
-        self.weights.add_parts(features.parts(), span.start, &mut self.scores[span]);
+        self.weights.sum_parts(features.parts(), span, &mut self.scores);
     }
 
     /// Learns from the example that was scored last, which has these features. Returns whether their weights were changed.
@@ -178,12 +177,9 @@ fn start<R: Rule>(rule: &R, setting: Setting<'_, Features>, warm: Option<&Linear
     let columns = rule.columns();
     let mut weights = Weights::new(setting.shared.features(), columns.count(setting.actions));
     weights.reserve_all();
-    if let Some(warm) = warm {
-        for feature in 0..warm.weights.features() as u32 {
-            if let Some(row) = warm.weights.row(feature) {
-                weights.row_mut(feature)[..row.len()].copy_from_slice(row);
-            }
-        }
+    // One with columns for something else is none to start from.
+    if let Some(warm) = warm.filter(|warm| warm.columns == columns && warm.actions == setting.actions) {
+        weights.start_from(&warm.weights);
     }
     let beside = weights.features() * weights.stride() / BLOCK * rule.descent().beside();
     let mut course = Course::of(setting.actions, columns, weights);
@@ -207,6 +203,16 @@ impl Classifier<Features> for Course {
     #[inline]
     fn choose_at_once(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Option<Action> {
         memory.choose_at_once(self.columns, self.actions, &self.weights, sight)
+    }
+
+    #[inline]
+    fn choose_all_at_once(
+        &self,
+        front: &Front<'_, Features>,
+        memory: &mut LinearMemory,
+        actions: &mut [Option<Action>],
+    ) {
+        memory.choose_all_at_once(self.columns, self.actions, &self.weights, front, actions);
     }
 }
 

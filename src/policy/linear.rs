@@ -2,7 +2,7 @@
 
 use super::weights::{MOST_ADDED, ROUNDING, Weights};
 use super::{Classifier, Outputs};
-use crate::space::{Action, Actions, Features, NO_ROW, Sight};
+use crate::space::{Action, Actions, Features, Front, NO_ROW, Sight};
 use serde::{Deserialize, Serialize};
 use std::borrow::Borrow;
 use std::ops::Range;
@@ -125,6 +125,15 @@ impl Sums {
         &mut self.sums[place * stride..(place + 1) * stride]
     }
 
+    /// Writes the sums over these features there, those of the columns in `span`.
+    #[inline(never)] // What is known is found without it.
+    fn sum_up(&mut self, place: usize, key: (u32, u32), weights: &Weights, features: &[u32], span: Range<usize>) {
+        let from = span.start;
+        let sums = &mut self.write(place, key, weights.stride())[span];
+        sums.fill(0.0);
+        weights.add_parts([(features, 0)], from, sums);
+    }
+
     #[inline]
     fn read(&self, place: usize, stride: usize) -> &[f32] {
         &self.sums[place * stride..(place + 1) * stride]
@@ -154,7 +163,7 @@ impl LinearMemory {
     }
 
     /// The sums over the static part of `view`, from memory where they are there: those of the columns in `span`.
-    #[inline]
+    #[inline(always)]
     fn fixed<'m>(
         fixed: &'m mut Sums,
         weights: &Weights,
@@ -165,9 +174,7 @@ impl LinearMemory {
         let key = (sight.view.row, (span.start as u32) << 13 | (span.end / 8) as u32);
         let (place, known) = fixed.place(key);
         if !known {
-            let sums = &mut fixed.write(place, key, weights.stride())[span.clone()];
-            sums.fill(0.0);
-            weights.add_parts([(sight.shared.row(sight.view.row), 0)], span.start, sums);
+            fixed.sum_up(place, key, weights, sight.shared.row(sight.view.row), span.clone());
         }
         &fixed.read(place, weights.stride())[span.clone()]
     }
@@ -225,6 +232,9 @@ impl LinearMemory {
             return sight.legal.best(self.scores(columns, actions, weights, sight));
         }
         let far = &sight.view.dynamic;
+        if far.is_empty() {
+            return self.choose_by_key(actions, weights, sight);
+        }
         let place = self.near(actions, weights, sight);
         let (action, margin) = self.decided[place];
         let reach: f32 = far.iter().map(|f| weights.reach[weights.index[*f as usize] as usize]).sum();
@@ -249,9 +259,68 @@ impl LinearMemory {
         if !measured || sight.shared.keyed(sight.view.row).is_empty() {
             return None;
         }
+        let most = weights.most();
+        if most == 0.0 {
+            return Some(self.choose_by_key(actions, weights, sight));
+        }
         let place = self.near(actions, weights, sight);
         let (action, margin) = self.decided[place];
-        (weights.most() < margin).then_some(action)
+        (most < margin).then_some(action)
+    }
+
+    /// The choice of the static and the keyed part of the view.
+    #[inline]
+    fn choose_by_key(&mut self, actions: usize, weights: &Weights, sight: &Sight<'_, Features>) -> Action {
+        self.belong_to(weights);
+        let fixed = LinearMemory::fixed(&mut self.fixed, weights, sight, &(0..weights.stride()));
+        weights.add_onto(fixed, (sight.shared.keyed(sight.view.row), sight.view.key), &mut self.sums);
+        sight.legal.best(&self.sums[..actions])
+    }
+
+    /// The same for all states of `front`.
+    pub(crate) fn choose_all_at_once(
+        &mut self,
+        columns: Columns,
+        actions: usize,
+        weights: &Weights,
+        front: &Front<'_, Features>,
+        chosen: &mut [Option<Action>],
+    ) {
+        if columns == Columns::Actions && !weights.reach.is_empty() && weights.most() == 0.0 {
+            match weights.stride() {
+                8 => return self.choose_by_keys::<8>(weights, front, chosen),
+                16 => return self.choose_by_keys::<16>(weights, front, chosen),
+                24 => return self.choose_by_keys::<24>(weights, front, chosen),
+                32 => return self.choose_by_keys::<32>(weights, front, chosen),
+                _ => {}
+            }
+        }
+        for (sight, chosen) in front.sights().zip(chosen) {
+            *chosen = self.choose_at_once(columns, actions, weights, &sight);
+        }
+    }
+
+    /// The same where nothing can turn what static and keyed parts decide, and with the sums held in registers.
+    fn choose_by_keys<const N: usize>(
+        &mut self,
+        weights: &Weights,
+        front: &Front<'_, Features>,
+        chosen: &mut [Option<Action>],
+    ) {
+        self.belong_to(weights);
+        let (mut row, mut fixed) = (NO_ROW, [0.0; N]);
+        for (sight, chosen) in front.sights().zip(chosen) {
+            let keyed = sight.shared.keyed(sight.view.row);
+            if keyed.is_empty() {
+                continue;
+            }
+            if sight.view.row != row {
+                row = sight.view.row;
+                fixed.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, &sight, &(0..N)));
+            }
+            let sums = weights.added([(keyed, sight.view.key)], 0, fixed);
+            *chosen = Some(sight.legal.best(&sums));
+        }
     }
 
     /// The place of the sums over the static and the keyed part of the view, and of what they decide.
@@ -263,8 +332,8 @@ impl LinearMemory {
         let (place, known) = self.near.place(key);
         if !known {
             let sums = self.near.write(place, key, stride);
-            sums.copy_from_slice(LinearMemory::fixed(&mut self.fixed, weights, sight, &(0..stride)));
-            weights.add_parts([(sight.shared.keyed(key.0), key.1)], 0, sums);
+            let fixed = LinearMemory::fixed(&mut self.fixed, weights, sight, &(0..stride));
+            weights.add_onto(fixed, (sight.shared.keyed(key.0), key.1), sums);
             self.decided[place] = decide(sight.legal, &sums[..actions]);
         }
         place
@@ -368,6 +437,16 @@ impl Classifier<Features> for Linear {
     #[inline]
     fn choose_at_once(&self, sight: &Sight<'_, Features>, memory: &mut LinearMemory) -> Option<Action> {
         memory.choose_at_once(self.columns, self.actions, &self.weights, sight)
+    }
+
+    #[inline]
+    fn choose_all_at_once(
+        &self,
+        front: &Front<'_, Features>,
+        memory: &mut LinearMemory,
+        actions: &mut [Option<Action>],
+    ) {
+        memory.choose_all_at_once(self.columns, self.actions, &self.weights, front, actions);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::{Classifier, Policy, choose_at};
 use crate::error::Error;
-use crate::seed::Purpose;
-use crate::space::{Action, Problem, Sight, View, ViewOf};
+use crate::seed::{Purpose, Seed};
+use crate::space::{Action, Front, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;
 use serde::{Deserialize, Serialize};
 
@@ -169,6 +169,17 @@ impl<C> Mixture<C> {
 }
 
 impl<C> Mixture<C> {
+    /// The member that acts at the step of this seed. Roll-outs that are compared come to it one after the other, and draw the same.
+    fn drawn<M>(&self, seed: Seed, memory: &mut MixtureMemory<M>) -> Member {
+        let member = match memory.drawn {
+            Some((last, member)) if last == seed => member,
+            _ if self.members.len() == 1 && self.expert == 0.0 => self.draw(0.0),
+            _ => self.draw(seed.child(Purpose::Member, 0).unit()),
+        };
+        memory.drawn = Some((seed, member));
+        member
+    }
+
     /// What `member` does at `visit`.
     pub(crate) fn act_as<P: Problem>(
         &self,
@@ -223,6 +234,8 @@ impl<C> Mixture<C> {
 pub struct MixtureMemory<M> {
     members: Vec<M>,
     sums: Vec<f32>,
+    /// The member that was drawn last, at which step of which run.
+    drawn: Option<(Seed, Member)>,
 }
 
 impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
@@ -235,14 +248,23 @@ impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action {
         match self.reading {
             Reading::Sampled => {
-                let unit = if self.members.len() == 1 && self.expert == 0.0 {
-                    0.0
-                } else {
-                    visit.seed().child(Purpose::Member, 0).unit()
-                };
-                self.act_as(self.draw(unit), visit, memory)
+                let member = self.drawn(visit.seed(), memory);
+                self.act_as(member, visit, memory)
             }
             Reading::Vote | Reading::Mean => self.decide(&visit.sight(), memory),
+        }
+    }
+
+    fn leaves_to_expert(&self, step: Seed, memory: &mut Self::Memory) -> bool {
+        self.members.is_empty() || self.reading == Reading::Sampled && self.drawn(step, memory) == Member::Expert
+    }
+
+    fn act_at_once(&self, front: &Front<'_, ViewOf<P>>, memory: &mut Self::Memory, actions: &mut [Option<Action>]) {
+        if self.reading == Reading::Sampled
+            && let Member::Classifier(i) = self.drawn(front.seed, memory)
+        {
+            memory.members.resize_with(self.members.len(), Default::default);
+            self.members[i].1.choose_all_at_once(front, &mut memory.members[i], actions);
         }
     }
 }

@@ -31,7 +31,8 @@ pub(crate) use value::value_of;
 pub use weights::Weights;
 pub(crate) use weights::reserve_some;
 
-use crate::space::{Action, Problem, Sight, View, ViewOf};
+use crate::seed::Seed;
+use crate::space::{Action, Front, Problem, Sight, View, ViewOf};
 use crate::worker::Visit;
 
 /// Something that acts in a problem's space.
@@ -43,9 +44,21 @@ pub trait Policy<P: Problem>: Sync {
     /// The action taken at `visit`. Whatever is random about it is keyed by the visit's seed.
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut Self::Memory) -> Action;
 
+    /// Writes into `actions` what it does in each state of `front`, where that follows from a glance: the same as [`Policy::act`], nobody asked and
+    /// nothing drawn but below the seed of the step. To leave a `None` as it is is always right.
+    fn act_at_once(&self, front: &Front<'_, ViewOf<P>>, memory: &mut Self::Memory, actions: &mut [Option<Action>]) {
+        let _ = (front, memory, actions);
+    }
+
     /// Whether it is known to do always as the expert does. `false` is always right.
     fn is_expert(&self) -> bool {
         false
+    }
+
+    /// Whether it does as the expert does at the step of this seed, whatever the state is. `false` is always right.
+    fn leaves_to_expert(&self, step: Seed, memory: &mut Self::Memory) -> bool {
+        let _ = (step, memory);
+        self.is_expert()
     }
 }
 
@@ -68,6 +81,13 @@ pub trait Classifier<V: View>: Send + Sync {
         let _ = (sight, memory);
         None
     }
+
+    /// The same for all states of `front`, side by side in `actions`.
+    fn choose_all_at_once(&self, front: &Front<'_, V>, memory: &mut Self::Memory, actions: &mut [Option<Action>]) {
+        for (sight, action) in front.sights().zip(actions) {
+            *action = self.choose_at_once(&sight, memory);
+        }
+    }
 }
 
 impl<V: View, C: Classifier<V>> Classifier<V> for &C {
@@ -82,6 +102,10 @@ impl<V: View, C: Classifier<V>> Classifier<V> for &C {
     #[inline]
     fn choose_at_once(&self, sight: &Sight<'_, V>, memory: &mut Self::Memory) -> Option<Action> {
         (**self).choose_at_once(sight, memory)
+    }
+    #[inline]
+    fn choose_all_at_once(&self, front: &Front<'_, V>, memory: &mut Self::Memory, actions: &mut [Option<Action>]) {
+        (**self).choose_all_at_once(front, memory, actions);
     }
 }
 
@@ -119,5 +143,9 @@ impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Greedy<C> {
     #[inline]
     fn act(&self, visit: &mut Visit<'_, P>, memory: &mut C::Memory) -> Action {
         choose_at(&self.0, visit, memory)
+    }
+    #[inline]
+    fn act_at_once(&self, front: &Front<'_, ViewOf<P>>, memory: &mut C::Memory, actions: &mut [Option<Action>]) {
+        self.0.choose_all_at_once(front, memory, actions);
     }
 }

@@ -143,8 +143,12 @@ impl Weights {
     /// Measures how far each row can move one column against another: from now on classifiers decide by what they have summed up already where the
     /// rest cannot change it. Rows that are changed after this count as unmeasured until [`Weights::measure_row`].
     pub(crate) fn measure(&mut self, table: &FeatureTable) {
-        self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
         self.beyond = table.beyond();
+        self.measure_all();
+    }
+
+    fn measure_all(&mut self) {
+        self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
         let dynamic = &self.index[(self.beyond.0 as usize).min(self.index.len())..];
         self.furthest = dynamic.iter().map(|place| self.reach[*place as usize]).fold(0.0, further);
         self.unmeasured = 0;
@@ -198,6 +202,15 @@ impl Weights {
         if !self.reach.is_empty() {
             self.reach.push(0.0);
         }
+    }
+
+    /// Takes over the rows of `other`, which has as many columns and no feature that is not here: these have none yet.
+    pub(crate) fn start_from(&mut self, other: &Weights) {
+        self.index[..other.index.len()].copy_from_slice(&other.index);
+        self.rows.clear();
+        self.rows.extend_from_slice(&other.rows);
+        self.straighten();
+        self.version += 1;
     }
 
     /// Takes up the room that `rows` more rows will need.
@@ -260,10 +273,44 @@ impl Weights {
         }
     }
 
+    /// Writes the sums of these rows to `scores`, one a column, in the order given; those outside of `span` are zero.
+    #[inline]
+    pub(crate) fn sum_parts<const K: usize>(&self, parts: [(&[u32], u32); K], span: Range<usize>, scores: &mut [f32]) {
+        match scores.first_chunk_mut::<24>() {
+            Some(scores) if span == (0..24) => *scores = self.added(parts, 0, [0.0; 24]),
+            _ => {
+                scores.fill(0.0);
+                self.add_parts(parts, span.start, &mut scores[span]);
+            }
+        }
+    }
+
     /// The same with the sums held in registers.
     fn add_fixed<const N: usize>(&self, parts: &[(&[u32], u32)], from: usize, scores: &mut [f32]) {
         let Some(scores) = scores.first_chunk_mut::<N>() else { return };
-        let mut sums = *scores;
+        *scores = self.added(parts.iter().copied(), from, *scores);
+    }
+
+    /// Writes `sums` and these whole rows, added to them in the order given, to `scores`.
+    #[inline]
+    pub(super) fn add_onto(&self, sums: &[f32], part: (&[u32], u32), scores: &mut [f32]) {
+        match (sums.first_chunk::<24>(), scores.first_chunk_mut::<24>()) {
+            (Some(sums), Some(scores)) if self.stride == 24 => *scores = self.added([part], 0, *sums),
+            _ => {
+                scores.copy_from_slice(sums);
+                self.add_parts([part], 0, scores);
+            }
+        }
+    }
+
+    /// The sums and the part of these rows that begins at column `from`.
+    #[inline(always)]
+    pub(super) fn added<'a, const N: usize>(
+        &self,
+        parts: impl IntoIterator<Item = (&'a [u32], u32)>,
+        from: usize,
+        mut sums: [f32; N],
+    ) -> [f32; N] {
         for (features, more) in parts {
             for feature in features.iter().map(|feature| feature + more) {
                 let row = match feature < self.straight {
@@ -278,13 +325,13 @@ impl Weights {
                 }
             }
         }
-        *scores = sums;
+        sums
     }
 
-    /// The rows changed by `change`, which gets the place and the weights of each. Those that come out all zero are left out.
+    /// The rows changed by `change`, which gets the place and the weights of each. Those that come out all zero are left out. They are measured if they were.
     pub(crate) fn map_rows(mut self, mut change: impl FnMut(usize, &mut [f32])) -> Weights {
         let stride = self.stride;
-        self.reach = Vec::new();
+        let measured = !std::mem::take(&mut self.reach).is_empty();
         let mut moved = vec![0; self.len() + 1];
         let mut kept = 1;
         for (place, to) in moved.iter_mut().enumerate().skip(1) {
@@ -300,6 +347,9 @@ impl Weights {
         self.straighten();
         self.rows.truncate(kept * stride);
         self.rows.shrink_to_fit();
+        if measured {
+            self.measure_all();
+        }
         self
     }
 }

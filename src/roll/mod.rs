@@ -1,7 +1,7 @@
 //! Roll-in, deviation, roll-out: where training examples come from, and what a finished policy does.
 
 use crate::learner::{Examples, Target};
-use crate::policy::Policy;
+use crate::policy::{Follow, Policy};
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, CostToGo, Episode, Gather, Problem, Space, StateOf, ViewOf};
 use crate::worker::{Ledger, Memo, Visit, Worker, all, sweep};
@@ -125,7 +125,7 @@ where
         costs.resize(visit.legal().len(), 0.0);
         for (k, memo) in memo.iter_mut().enumerate() {
             let run = run.child(Purpose::RollOut, k as u64);
-            let sample = visit.roll_outs(run, memo, |visit| policy.act(visit, memory));
+            let sample = visit.roll_outs_by(run, memo, policy, memory);
             costs.iter_mut().zip(sample).for_each(|(total, cost)| *total += cost);
         }
         costs.iter_mut().for_each(|total| *total /= self.samples as f64);
@@ -169,10 +169,10 @@ where
         let run = run.child(Purpose::RollOut, 0);
         let memo = &mut memo[usize::from(experts)];
         costs.clear();
-        costs.extend(visit.roll_outs(run, memo, |visit| match experts {
-            true => visit.expert(),
-            false => policy.act(visit, memory),
-        }));
+        costs.extend(match experts {
+            true => visit.roll_outs_by(run, memo, &Follow, &mut ()),
+            false => visit.roll_outs_by(run, memo, policy, memory),
+        });
     }
 }
 

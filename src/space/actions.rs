@@ -83,7 +83,18 @@ impl<'a> Actions<'a> {
     /// The same by what `score` says.
     #[inline]
     pub(crate) fn best_by(self, score: impl Fn(Action) -> f32) -> Action {
-        self.best_two_by(score).0
+        let (mut best, mut high) = (Action(0), f32::NEG_INFINITY);
+        // Written so that it takes no branch, and nothing is guessed wrong.
+        let mut meet = |a: Action| {
+            let score = score(a);
+            best = if score > high { a } else { best };
+            high = if score > high { score } else { high };
+        };
+        match self {
+            Actions::All(n) => (0..n).for_each(|a| meet(Action(a))),
+            Actions::Only(list) => list.iter().for_each(|a| meet(*a)),
+        }
+        self.or_lowest(best, high, score)
     }
 
     /// The same action and its score, and the highest score of all others: negative infinity where there are none, and no less than what it is where some
@@ -103,11 +114,18 @@ impl<'a> Actions<'a> {
             Actions::All(n) => (0..n).for_each(|a| meet(Action(a))),
             Actions::Only(list) => list.iter().for_each(|a| meet(*a)),
         }
-        if high == f32::NEG_INFINITY && !self.is_empty() {
-            best = self.iter().find(|a| score(*a) == high).unwrap_or(self.nth(0));
-            high = score(best);
-        }
+        best = self.or_lowest(best, high, &score);
+        high = if high == f32::NEG_INFINITY && !self.is_empty() { score(best) } else { high };
         (best, high, second)
+    }
+
+    /// The `best` one, whose score is `high`, or, where no score is higher than negative infinity, the lowest that has this one.
+    #[inline]
+    fn or_lowest(self, best: Action, high: f32, score: impl Fn(Action) -> f32) -> Action {
+        if high > f32::NEG_INFINITY || self.is_empty() {
+            return best;
+        }
+        self.iter().find(|a| score(*a) == high).unwrap_or(self.nth(0))
     }
 }
 

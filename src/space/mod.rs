@@ -121,6 +121,29 @@ pub struct Sight<'a, V: View> {
     pub legal: Actions<'a>,
 }
 
+/// States of the same step of the same run, of each of which as much can be seen as is told [at a glance](Space::glance).
+pub struct Front<'a, V: View> {
+    /// What all views of the space share.
+    pub shared: &'a V::Shared,
+    /// The node of the seed tree that belongs to the step.
+    pub seed: Seed,
+    views: &'a [V],
+    legal: &'a [Actions<'a>],
+}
+
+impl<'a, V: View> Front<'a, V> {
+    /// The states of these `views`, in which these actions are `legal`.
+    pub(crate) fn new(shared: &'a V::Shared, seed: Seed, views: &'a [V], legal: &'a [Actions<'a>]) -> Self {
+        Front { shared, seed, views, legal }
+    }
+
+    /// What can be seen of each of them.
+    pub fn sights(&self) -> impl ExactSizeIterator<Item = Sight<'a, V>> + '_ {
+        let sight = |(view, legal): (&'a V, &Actions<'a>)| Sight { shared: self.shared, view, legal: *legal };
+        self.views.iter().zip(self.legal).map(sight)
+    }
+}
+
 /// A collection of views.
 pub trait Store<V>: Gather + Sync {
     /// Remembers `view`, which becomes the last.

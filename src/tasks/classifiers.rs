@@ -3,7 +3,7 @@
 use crate::learner::{Kept, Setting};
 use crate::output::Arrays;
 use crate::policy::{Classifier, Columns, Linear, Neural, NeuralMemory, Weights};
-use crate::space::{Action, Features, Sight};
+use crate::space::{Action, Features, Front, Sight};
 
 /// A classifier of one of the kinds that [`AnyLearner`](super::AnyLearner) makes and model files keep.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,6 +88,18 @@ impl Classifier<Features> for AnyClassifier {
         match self {
             AnyClassifier::Linear(linear) => linear.choose_at_once(sight, &mut memory.input),
             AnyClassifier::Net(_) => None,
+        }
+    }
+
+    #[inline]
+    fn choose_all_at_once(
+        &self,
+        front: &Front<'_, Features>,
+        memory: &mut NeuralMemory,
+        actions: &mut [Option<Action>],
+    ) {
+        if let AnyClassifier::Linear(linear) = self {
+            linear.choose_all_at_once(front, &mut memory.input, actions);
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::learner::{
 use crate::output::Arrays;
 use crate::policy::{Classifier, Linear, Neural, NeuralMemory};
 use crate::seed::Seed;
-use crate::space::{Action, Features, Sight};
+use crate::space::{Action, Features, Front, Sight};
 use serde::{Deserialize, Serialize};
 
 /// A learner with its settings. It is a learner itself, so that whatever is generic over learners is compiled once for all of them.
@@ -154,6 +154,18 @@ impl Classifier<Features> for AnyCourse {
         match self {
             AnyCourse::Linear(course) => course.choose_at_once(sight, &mut memory.input),
             AnyCourse::Svm(_) | AnyCourse::Crammer(_) | AnyCourse::Net(_) => None,
+        }
+    }
+
+    #[inline]
+    fn choose_all_at_once(
+        &self,
+        front: &Front<'_, Features>,
+        memory: &mut NeuralMemory,
+        actions: &mut [Option<Action>],
+    ) {
+        if let AnyCourse::Linear(course) = self {
+            course.choose_all_at_once(front, &mut memory.input, actions);
         }
     }
 }

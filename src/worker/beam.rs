@@ -37,8 +37,8 @@ where
         for t in 0.. {
             next.clear();
             for (from, (state, path)) in states.iter().zip(&paths).enumerate() {
-                let (ledger, view) = (&mut self.ledger, &mut self.view);
-                let mut visit = Visit::new(self.problem, state, ledger, view, Kind::RollIn, t, episode.seed);
+                let (ledger, looks) = (&mut self.ledger, &mut self.looks);
+                let mut visit = Visit::new(self.problem, state, ledger, looks, Kind::RollIn, t, episode.seed);
                 visit.spent = path.cost;
                 let legal = visit.legal();
                 if legal.is_empty() {

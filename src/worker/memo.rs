@@ -15,7 +15,9 @@ pub struct Memo<S> {
     /// Which states of each step are known: roll-outs from one state pass few steps before they meet, so few tables are in use at a time.
     steps: Vec<Table>,
     /// What comes after the states that were come to, by their numbers. Number 0 is the end, after which nothing comes.
-    pub(super) rests: Vec<Rest>,
+    rests: Vec<Rest>,
+    /// The bills of those where somebody was asked. Number 0 is the bill of the others.
+    bills: Vec<Ledger>,
     /// States of this number and above cannot be found again.
     found: usize,
     /// The roll-outs that go on, all of them at the same step.
@@ -38,17 +40,21 @@ pub(super) struct Standing<S> {
 
 /// What comes after a state: what is decided there and the step after that, and, once it is [settled](Memo::settle), all that follows.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rest {
-    pub cost: f64,
-    pub bill: Ledger,
+struct Rest {
+    cost: f64,
+    steps: u32,
+    /// The steps at which the expert acted.
+    acts: u32,
+    /// The number of the bill of all else.
+    bill: u32,
     /// The number of the state that the step leads to.
-    pub next: u32,
+    next: u32,
 }
 
 impl<S> Default for Memo<S> {
     fn default() -> Self {
-        let (steps, rests, front, tried, costs) = Default::default();
-        Memo { run: None, era: 0, steps, rests, found: 0, front, tried, costs }
+        let (steps, rests, bills, front, tried, costs) = Default::default();
+        Memo { run: None, era: 0, steps, rests, bills, found: 0, front, tried, costs }
     }
 }
 
@@ -61,6 +67,8 @@ impl<S> Memo<S> {
         self.run = Some(run);
         self.rests.clear();
         self.rests.push(Rest::default());
+        self.bills.clear();
+        self.bills.push(Ledger::default());
         self.found = 1;
         self.era = self.era.wrapping_add(1);
         if self.era == 0 {
@@ -71,7 +79,7 @@ impl<S> Memo<S> {
 
     /// The number of the state with this signature at step `t`, and whether it is new: what comes after it is then to be found out, and to be
     /// [settled](Memo::settle) before the next roll-outs. A state without a signature is always new.
-    #[inline]
+    #[inline(always)] // It is called at two places, at each of them for every state.
     pub(super) fn come_to(&mut self, t: usize, signature: Option<u64>) -> (u32, bool) {
         let number = self.rests.len() as u32;
         if let Some(signature) = signature {
@@ -88,20 +96,80 @@ impl<S> Memo<S> {
         (number, true)
     }
 
-    /// Settles what comes after the states from number `first` on: after each comes what is its own, and then what comes after the next, which was known
+    /// Writes down that a step which costs `cost` leads from the state of this number to the `next`, and what else was billed for it.
+    #[inline]
+    pub(super) fn go_on(&mut self, number: u32, cost: f64, next: u32, billed: Billed) {
+        let (acts, bill) = match billed {
+            Billed::Nothing => (0, 0),
+            Billed::Act => (1, 0),
+            Billed::More(bill) => {
+                self.bills.push(bill);
+                (0, self.bills.len() as u32 - 1)
+            }
+        };
+        self.rests[number as usize] = Rest { cost, steps: 1, acts, bill, next };
+    }
+
+    /// How far everything is known so far: what comes later is to be [settled](Memo::settle).
+    pub(super) fn mark(&self) -> Mark {
+        Mark { rests: self.rests.len(), bills: self.bills.len() }
+    }
+
+    /// Settles what comes after the states since `mark`: after each comes what is its own, and then what comes after the next, which was known
     /// before or has a higher number. Costs are added up from the end, as a table of costs-to-go would be.
-    pub(super) fn settle(&mut self, first: usize) {
-        for number in (first..self.rests.len()).rev() {
-            let Rest { cost, bill, next } = self.rests[number];
-            let later = self.rests[next as usize];
-            self.rests[number] = Rest { cost: later.cost + cost, bill: later.bill + bill, next };
+    pub(super) fn settle(&mut self, mark: Mark) {
+        for number in (mark.rests..self.rests.len()).rev() {
+            let own = self.rests[number];
+            let later = self.rests[own.next as usize];
+            let bill = match (own.bill, later.bill) {
+                (0, bill) => bill,
+                (bill, 0) => bill,
+                (bill, more) => {
+                    let more = self.bills[more as usize];
+                    self.bills[bill as usize] += more;
+                    bill
+                }
+            };
+            let (steps, acts) = (later.steps + own.steps, later.acts + own.acts);
+            self.rests[number] = Rest { cost: later.cost + own.cost, steps, acts, bill, ..own };
         }
     }
 
-    /// Forgets what cannot be found again.
-    pub(super) fn trim(&mut self) {
-        self.rests.truncate(self.found);
+    /// What comes after a state that is settled: what it costs, and its bill.
+    #[inline]
+    pub(super) fn rest(&self, number: u32) -> (f64, Ledger) {
+        let Rest { cost, steps, acts, bill, .. } = self.rests[number as usize];
+        let mut bill = if bill == 0 { Ledger::default() } else { self.bills[bill as usize] };
+        bill.steps += u64::from(steps);
+        bill.rollout_acts += u64::from(acts);
+        bill.queries += u64::from(acts);
+        (cost, bill)
     }
+
+    /// Forgets what cannot be found again of what is known since `mark`.
+    pub(super) fn trim(&mut self, mark: Mark) {
+        self.rests.truncate(self.found.max(mark.rests));
+        if self.found <= mark.rests {
+            self.bills.truncate(mark.bills);
+        }
+    }
+}
+
+/// What a step of a roll-out is billed for besides being one.
+pub(super) enum Billed {
+    /// Nothing.
+    Nothing,
+    /// The expert was asked and acted.
+    Act,
+    /// This.
+    More(Ledger),
+}
+
+/// How much was known at some time.
+#[derive(Clone, Copy)]
+pub(super) struct Mark {
+    rests: usize,
+    bills: usize,
 }
 
 /// The states of one step: a table of open addressing with a power of two of places, at most half of them taken.
@@ -131,7 +199,7 @@ impl Default for Table {
 
 impl Table {
     /// The number of the state with the same signature and era, if there is one; else this one is kept.
-    #[inline]
+    #[inline(always)] // It is little more than one comparison, mostly.
     fn find_or_keep(&mut self, state: State) -> Option<u32> {
         if self.taken.0 != state.era {
             self.taken = (state.era, 0);
@@ -152,9 +220,9 @@ impl Table {
     #[inline]
     fn place(&self, state: State) -> Result<usize, usize> {
         let last = self.places.len() - 1;
-        // The upper bits of a product are the well mixed ones.
-        let mixed = state.signature.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let mut place = (mixed >> 32) as usize & last;
+        // Small numbers have a place each; of a product the upper bits are the well mixed ones.
+        let mixed = (state.signature >> 16).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+        let mut place = (state.signature ^ mixed) as usize & last;
         loop {
             let found = self.places[place];
             if found.era != state.era {
@@ -202,29 +270,45 @@ mod tests {
                 }
                 memo.belong_to(Seed::new(run.unwrap_or(0)));
                 // A roll-out that passes these states, until it comes to one that is known.
-                let (first, mut way, mut known) = (memo.rests.len(), Vec::new(), 0.0);
+                let (mark, mut way, mut last, mut known) = (memo.mark(), Vec::new(), 0, (0.0, Ledger::default()));
                 for (t, (signature, cost)) in passed.into_iter().enumerate() {
                     let key = signature.map(|signature| (t, signature));
                     let (number, new) = memo.come_to(t, signature);
-                    if let Some((last, _, _)) = way.last() {
-                        memo.rests[*last as usize].next = number;
-                    }
                     prop_assert_eq!(!new, key.is_some_and(|key| map.contains_key(&key)));
                     if !new {
-                        known = map[&key.unwrap_or_default()];
-                        prop_assert_eq!(memo.rests[number as usize].cost, known);
+                        (last, known) = (number, map[&key.unwrap_or_default()]);
+                        prop_assert_eq!(memo.rest(number), known);
                         break;
                     }
-                    memo.rests[number as usize].cost = f64::from(cost);
-                    way.push((number, key, f64::from(cost)));
+                    way.push((number, key, cost));
                 }
-                memo.settle(first);
+                // At every third step the expert acts, at every other something else is billed.
+                let asked = |cost: u32| Ledger { labels: u64::from(cost), ..Ledger::default() };
+                let billed = |cost: u32| match cost % 3 {
+                    0 => Billed::Nothing,
+                    1 => Billed::Act,
+                    _ => Billed::More(asked(cost)),
+                };
+                let nexts = way.iter().skip(1).map(|(number, ..)| *number).chain([last]);
+                for ((number, _, cost), next) in way.iter().zip(nexts) {
+                    memo.go_on(*number, f64::from(*cost), next, billed(*cost));
+                }
+                memo.settle(mark);
                 for (number, key, cost) in way.into_iter().rev() {
-                    known += cost;
-                    prop_assert_eq!(memo.rests[number as usize].cost, known);
+                    known.0 += f64::from(cost);
+                    match cost % 3 {
+                        0 => {}
+                        1 => {
+                            known.1.rollout_acts += 1;
+                            known.1.queries += 1;
+                        }
+                        _ => known.1 += asked(cost),
+                    }
+                    known.1.steps += 1;
+                    prop_assert_eq!(memo.rest(number), known);
                     map.extend(key.map(|key| (key, known)));
                 }
-                memo.trim();
+                memo.trim(mark);
             }
         }
     }

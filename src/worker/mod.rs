@@ -19,19 +19,19 @@ use crate::space::{Action, Episode, Gather, Problem, Space, StateOf, ViewOf};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use visit::Kind;
+use visit::{Kind, Looks};
 
 /// Runs episodes of a problem one at a time; owns the scratch that they share.
 pub struct Worker<'p, P: Problem> {
     problem: &'p P,
     ledger: Ledger,
-    view: ViewOf<P>,
+    looks: Looks<ViewOf<P>>,
 }
 
 impl<'p, P: Problem> Worker<'p, P> {
     /// A worker with an empty bill.
     pub fn new(problem: &'p P) -> Self {
-        Worker { problem, ledger: Ledger::default(), view: Default::default() }
+        Worker { problem, ledger: Ledger::default(), looks: Looks::default() }
     }
 
     /// What has been billed since the worker was new.
@@ -55,7 +55,7 @@ impl<'p, P: Problem> Worker<'p, P> {
         let mut total = 0.0;
         for t in 0.. {
             let mut visit =
-                Visit::new(self.problem, &state, &mut self.ledger, &mut self.view, Kind::RollIn, t, episode.seed);
+                Visit::new(self.problem, &state, &mut self.ledger, &mut self.looks, Kind::RollIn, t, episode.seed);
             visit.spent = total;
             if visit.legal().is_empty() {
                 break;

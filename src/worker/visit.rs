@@ -1,9 +1,10 @@
 //! One visit to one state.
 
 use super::Ledger;
-use super::memo::{Memo, Rest, Standing};
+use super::memo::{Billed, Memo, Standing};
+use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
-use crate::space::{Action, Actions, CostToGo, Expert, Problem, SharedOf, Sight, Space, StateOf, ViewOf};
+use crate::space::{Action, Actions, CostToGo, Expert, Front, Problem, SharedOf, Sight, Space, StateOf, View, ViewOf};
 
 /// Whose bill a visit goes on.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -12,13 +13,101 @@ pub(super) enum Kind {
     RollOut,
 }
 
+/// What is written over from visit to visit.
+#[derive(Default)]
+pub(super) struct Looks<V> {
+    /// What can be seen of the state at hand.
+    view: V,
+    /// What is told at a glance of states that roll-outs have come to, [`ABREAST`] of them at a time.
+    front: Vec<V>,
+}
+
+impl<V: View> Looks<V> {
+    /// Asks `drive` what to do in these states, wherever a glance is enough.
+    #[inline]
+    fn glance<P: Problem<Space: Space<View = V>>>(
+        &mut self,
+        problem: &P,
+        states: &[Standing<StateOf<P>>],
+        seed: Seed,
+        drive: &mut impl Drive<P>,
+        actions: &mut [Option<Action>; ABREAST],
+    ) {
+        let space = problem.space();
+        self.front.resize_with(ABREAST, V::default);
+        let mut legal = [Actions::NONE; ABREAST];
+        for ((standing, view), legal) in states.iter().zip(&mut self.front).zip(&mut legal) {
+            if !space.glance(&standing.state, view) {
+                return;
+            }
+            *legal = space.legal(&standing.state);
+        }
+        let count = states.len();
+        let front = Front::new(space.shared(), seed, &self.front[..count], &legal[..count]);
+        drive.act_at_once(&front, &mut actions[..count]);
+    }
+}
+
+/// How many states of a step are glanced at together.
+const ABREAST: usize = 16;
+
+/// Who says what to do in roll-outs.
+trait Drive<P: Problem> {
+    /// What to do at `visit`.
+    fn act(&mut self, visit: &mut Visit<'_, P>) -> Action;
+
+    /// The same for the states of `front`, as [`Policy::act_at_once`] has it.
+    fn act_at_once(&mut self, front: &Front<'_, ViewOf<P>>, actions: &mut [Option<Action>]);
+
+    /// Whether it is the expert who does, as [`Policy::leaves_to_expert`] has it.
+    fn leaves_to_expert(&mut self, step: Seed) -> bool;
+}
+
+/// A function, who is asked at every visit.
+struct Asked<F>(F);
+
+impl<P: Problem, F: FnMut(&mut Visit<'_, P>) -> Action> Drive<P> for Asked<F> {
+    #[inline]
+    fn act(&mut self, visit: &mut Visit<'_, P>) -> Action {
+        self.0(visit)
+    }
+
+    #[inline]
+    fn act_at_once(&mut self, _: &Front<'_, ViewOf<P>>, _: &mut [Option<Action>]) {}
+
+    #[inline]
+    fn leaves_to_expert(&mut self, _: Seed) -> bool {
+        false
+    }
+}
+
+/// A policy and its scratch.
+struct By<'a, D, M>(&'a D, &'a mut M);
+
+impl<P: Problem, D: Policy<P>> Drive<P> for By<'_, D, D::Memory> {
+    #[inline]
+    fn act(&mut self, visit: &mut Visit<'_, P>) -> Action {
+        self.0.act(visit, self.1)
+    }
+
+    #[inline]
+    fn act_at_once(&mut self, front: &Front<'_, ViewOf<P>>, actions: &mut [Option<Action>]) {
+        self.0.act_at_once(front, self.1, actions);
+    }
+
+    #[inline]
+    fn leaves_to_expert(&mut self, step: Seed) -> bool {
+        self.0.leaves_to_expert(step, self.1)
+    }
+}
+
 /// A state during a run. Whatever is asked of the expert or of the space through it is billed.
 pub struct Visit<'v, P: Problem> {
     problem: &'v P,
     state: &'v StateOf<P>,
     legal: Actions<'v>,
     ledger: &'v mut Ledger,
-    view: &'v mut ViewOf<P>,
+    looks: &'v mut Looks<ViewOf<P>>,
     looked: bool,
     kind: Kind,
     t: usize,
@@ -35,14 +124,14 @@ impl<'v, P: Problem> Visit<'v, P> {
         problem: &'v P,
         state: &'v StateOf<P>,
         ledger: &'v mut Ledger,
-        view: &'v mut ViewOf<P>,
+        looks: &'v mut Looks<ViewOf<P>>,
         kind: Kind,
         t: usize,
         run: Seed,
     ) -> Self {
         let legal = problem.space().legal(state);
         let (looked, spent, answer, labelled) = (false, 0.0, None, false);
-        Visit { problem, state, legal, ledger, view, looked, kind, t, run, spent, answer, labelled }
+        Visit { problem, state, legal, ledger, looks, looked, kind, t, run, spent, answer, labelled }
     }
 
     /// The step, counted from 0.
@@ -74,17 +163,17 @@ impl<'v, P: Problem> Visit<'v, P> {
     pub fn sight(&mut self) -> Sight<'_, ViewOf<P>> {
         let space = self.problem.space();
         if !self.looked {
-            space.look(self.state, self.view);
+            space.look(self.state, &mut self.looks.view);
             self.looked = true;
         }
-        Sight { shared: space.shared(), view: self.view, legal: self.legal }
+        Sight { shared: space.shared(), view: &self.looks.view, legal: self.legal }
     }
 
     /// The little of it that is told [at a glance](Space::glance), where something is and nobody has looked yet.
     pub(crate) fn glance(&mut self) -> Option<Sight<'_, ViewOf<P>>> {
         let space = self.problem.space();
-        let told = !self.looked && space.glance(self.state, self.view);
-        told.then(|| Sight { shared: space.shared(), view: self.view, legal: self.legal })
+        let told = !self.looked && space.glance(self.state, &mut self.looks.view);
+        told.then(|| Sight { shared: space.shared(), view: &self.looks.view, legal: self.legal })
     }
 
     /// What the space's views share.
@@ -179,7 +268,7 @@ impl<'v, P: Problem> Visit<'v, P> {
             let cost = space.step(&mut state, action, run.child(Purpose::Step, t as u64 - 1));
             spent += cost;
             costs.push(cost);
-            let mut visit = Visit::new(self.problem, &state, self.ledger, self.view, Kind::RollOut, t, run);
+            let mut visit = Visit::new(self.problem, &state, self.ledger, self.looks, Kind::RollOut, t, run);
             visit.spent = spent;
             if visit.legal().is_empty() {
                 break;
@@ -197,15 +286,36 @@ impl<'v, P: Problem> Visit<'v, P> {
         &mut self,
         run: Seed,
         memo: &'m mut Memo<StateOf<P>>,
-        mut drive: impl FnMut(&mut Visit<'_, P>) -> Action,
+        drive: impl FnMut(&mut Visit<'_, P>) -> Action,
     ) -> &'m [f64]
+    where
+        StateOf<P>: Clone,
+    {
+        self.roll_all_out(run, memo, Asked(drive))
+    }
+
+    /// The same where `policy` drives, whose scratch is `memory`: what is plain at a glance is decided for all states of a step together.
+    pub fn roll_outs_by<'m, D: Policy<P>>(
+        &mut self,
+        run: Seed,
+        memo: &'m mut Memo<StateOf<P>>,
+        policy: &D,
+        memory: &mut D::Memory,
+    ) -> &'m [f64]
+    where
+        StateOf<P>: Clone,
+    {
+        self.roll_all_out(run, memo, By(policy, memory))
+    }
+
+    fn roll_all_out<'m>(&mut self, run: Seed, memo: &'m mut Memo<StateOf<P>>, mut drive: impl Drive<P>) -> &'m [f64]
     where
         StateOf<P>: Clone,
     {
         let (problem, space) = (self.problem, self.problem.space());
         memo.belong_to(run);
         self.looked = false;
-        let first = memo.rests.len();
+        let mark = memo.mark();
         memo.tried.clear();
         memo.costs.clear();
         let mut front = std::mem::take(&mut memo.front);
@@ -216,7 +326,7 @@ impl<'v, P: Problem> Visit<'v, P> {
             let (number, new) = memo.come_to(self.t + 1, space.signature(&state));
             memo.tried.push(number);
             memo.costs.push(cost);
-            if new {
+            if new && !space.legal(&state).is_empty() {
                 front.push(Standing { state, number, spent: cost });
             }
         }
@@ -224,34 +334,52 @@ impl<'v, P: Problem> Visit<'v, P> {
         while !front.is_empty() {
             t += 1;
             let seed = run.child(Purpose::Step, t as u64);
-            front.retain_mut(|Standing { state, number, spent }| {
-                let mut bill = Ledger::default();
-                let mut visit = Visit::new(problem, state, &mut bill, self.view, Kind::RollOut, t, run);
-                visit.spent = *spent;
-                if visit.legal().is_empty() {
-                    return false;
+            let (experts, answers) = (drive.leaves_to_expert(seed), seed.child(Purpose::Expert, 0));
+            let mut going = 0;
+            for start in (0..front.len()).step_by(ABREAST) {
+                let abreast = start..front.len().min(start + ABREAST);
+                let mut actions = [None; ABREAST];
+                if !experts {
+                    self.looks.glance(problem, &front[abreast.clone()], seed, &mut drive, &mut actions);
                 }
-                let action = drive(&mut visit);
-                bill.steps += 1;
-                let cost = space.step(state, action, seed);
-                let (next, new) = memo.come_to(t + 1, space.signature(state));
-                memo.rests[*number as usize] = Rest { cost, bill, next };
-                (*number, *spent) = (next, *spent + cost);
-                new
-            });
+                for i in abreast {
+                    let Standing { state, number, spent } = &mut front[i];
+                    let known =
+                        if experts { problem.expert().answer(space, state, answers) } else { actions[i - start] };
+                    let (action, billed) = match known {
+                        Some(action) if experts => (action, Billed::Act),
+                        Some(action) => (action, Billed::Nothing),
+                        None => {
+                            let mut bill = Ledger::default();
+                            let mut visit = Visit::new(problem, state, &mut bill, self.looks, Kind::RollOut, t, run);
+                            visit.spent = *spent;
+                            (drive.act(&mut visit), Billed::More(bill))
+                        }
+                    };
+                    let cost = space.step(state, action, seed);
+                    let (next, new) = memo.come_to(t + 1, space.signature(state));
+                    memo.go_on(*number, cost, next, billed);
+                    (*number, *spent) = (next, *spent + cost);
+                    if new && !space.legal(state).is_empty() {
+                        front.swap(going, i);
+                        going += 1;
+                    }
+                }
+            }
+            front.truncate(going);
         }
         memo.front = front;
-        memo.settle(first);
-        for (cost, number) in memo.costs.iter_mut().zip(&memo.tried) {
-            let rest = &memo.rests[*number as usize];
-            *cost += rest.cost;
-            *self.ledger += rest.bill;
+        memo.settle(mark);
+        for i in 0..memo.tried.len() {
+            let (cost, bill) = memo.rest(memo.tried[i]);
+            memo.costs[i] += cost;
+            *self.ledger += bill;
         }
         let tried = memo.tried.len() as u64;
         self.ledger.rollouts += tried;
         self.ledger.resets += tried;
         self.ledger.steps += tried;
-        memo.trim();
+        memo.trim(mark);
         &memo.costs
     }
 }

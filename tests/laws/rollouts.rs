@@ -75,6 +75,17 @@ fn naive_cost(
     total
 }
 
+/// How roll-outs are made.
+#[derive(Clone, Copy)]
+enum How {
+    /// One after the other to the end.
+    Naive,
+    /// Side by side, each of them asking what to do.
+    Asking,
+    /// Side by side, a policy deciding for all of a step.
+    Together,
+}
+
 /// A mixture of the expert and three learners that have seen only one sentence, so that they err.
 fn mixture(problem: &TaggingProblem, rates: &[f64]) -> Mixture<Linear> {
     let setting = Setting::of(problem);
@@ -92,37 +103,42 @@ fn mixture(problem: &TaggingProblem, rates: &[f64]) -> Mixture<Linear> {
 proptest! {
     #![proptest_config(fixed(150))]
 
-    /// Roll-outs that remember cost the same to the bit as those that do not, action for action, and so does their bill.
+    /// Roll-outs that remember cost the same to the bit as those that do not, action for action, and so does their bill; and so where a policy decides for
+    /// all states of a step together.
     #[test]
     fn remembering_changes_nothing_but_the_time(
         sentences in any_corpora(6, 9),
         rates in prop::collection::vec(0.05f64..1.0, 1..5),
         drop_expert: bool,
+        deep: bool,
         number: u64,
     ) {
-        let problem = deep_problem(&sentences);
+        let problem = if deep { deep_problem(&sentences) } else { problem(&sentences) };
         let grown = mixture(&problem, &rates);
         let mixture = if drop_expert { grown.without_expert() } else { grown };
-        let all_costs = |remember: bool| {
+        let all_costs = |how: How| {
             let (mut worker, mut memory, mut memo, mut costs) = (Worker::new(&problem), Default::default(), Memo::default(), Vec::new());
             for index in 0..problem.episodes() {
                 let seed = Seed::new(number).child(Purpose::Episode, index as u64);
                 worker.episode(Episode { index, seed }, |visit| {
-                    if remember {
-                        let found = visit.roll_outs(seed, &mut memo, |visit| mixture.act(visit, &mut memory));
-                        costs.extend(found.iter().map(|cost| cost.to_bits()));
-                    } else {
-                        let legal = visit.legal();
-                        costs.extend(legal.iter().map(|action| {
-                            visit.roll_out(action, seed, |visit| mixture.act(visit, &mut memory)).to_bits()
-                        }));
+                    match how {
+                        How::Naive => {
+                            let legal = visit.legal();
+                            costs.extend(legal.iter().map(|action| {
+                                visit.roll_out(action, seed, |visit| mixture.act(visit, &mut memory))
+                            }));
+                        }
+                        How::Asking => costs.extend(visit.roll_outs(seed, &mut memo, |visit| mixture.act(visit, &mut memory))),
+                        How::Together => costs.extend(visit.roll_outs_by(seed, &mut memo, &mixture, &mut memory)),
                     }
                     Some(mixture.act(visit, &mut memory))
                 });
             }
-            (costs, worker.ledger())
+            (costs.into_iter().map(f64::to_bits).collect::<Vec<u64>>(), worker.ledger())
         };
-        prop_assert_eq!(all_costs(true), all_costs(false));
+        let naive = all_costs(How::Naive);
+        prop_assert_eq!(&all_costs(How::Asking), &naive);
+        prop_assert_eq!(&all_costs(How::Together), &naive);
     }
 
     /// At every state of every roll-in, for every action: the same cost as the simulation, step by step, with the
