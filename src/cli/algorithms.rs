@@ -23,6 +23,8 @@ pub enum Algorithm {
     Smile,
     /// Search and learn, rolling out every action
     Searn,
+    /// The same with an online learner, which learns as the costs come
+    SearnOnline,
     /// SEARN with the expert's own cost-to-go in place of roll-outs
     SearnShortcut,
     /// Conservative policy iteration: SEARN from one state an episode, or only as far as it gains
@@ -94,7 +96,7 @@ pub struct TrainerOptions {
     /// How smile reuses samples of earlier rounds; `--reuse` alone means ageing [default: none]
     #[arg(long, value_enum, value_name = "HOW", num_args = 0..=1, default_missing_value = "ageing")]
     reuse: Option<ReuseName>,
-    /// Mixing rate of searn, searn-shortcut and cpi, above 0 and at most 1 [default: 0.3]
+    /// Mixing rate of searn, searn-online, searn-shortcut and cpi, above 0 and at most 1 [default: 0.3]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     beta: Option<f64>,
     /// Let cpi find its rate from what is gained, and end where nothing is: with a perfect expert at once
@@ -116,7 +118,7 @@ pub struct TrainerOptions {
     /// Paths in the beam of early-update [default: 4]
     #[arg(long, value_name = "N")]
     width: Option<usize>,
-    /// Roll-outs of searn and cpi for each action [default: 1]
+    /// Roll-outs of searn, searn-online and cpi for each action [default: 1]
     #[arg(long, value_name = "N")]
     rollouts: Option<usize>,
     /// Steps of forward that get a classifier of their own [default: 256]
@@ -179,14 +181,14 @@ impl TrainerOptions {
     fn settings(&self, algorithm: Algorithm) -> [(&'static str, bool, bool); 13] {
         use Algorithm::{
             Aggrevate as A, Cpi as C, Dagger as D, DaggerOnline, EarlyUpdate as E, Forward as F, Lols as L, LolsOnline,
-            Searn as S, SearnShortcut, Smile as M, Stacked as K, Supervised as U,
+            Searn as S, SearnOnline, SearnShortcut, Smile as M, Stacked as K, Supervised as U,
         };
         [
             ("--rounds", self.rounds.is_some(), !matches!(algorithm, U | F | K)),
             ("--alpha", self.alpha.is_some(), algorithm == M),
             ("--reuse", self.reuse.is_some(), algorithm == M),
-            ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnShortcut | C)),
-            ("--rollouts", self.rollouts.is_some(), matches!(algorithm, S | C)),
+            ("--beta", self.beta.is_some(), matches!(algorithm, S | SearnOnline | SearnShortcut | C)),
+            ("--rollouts", self.rollouts.is_some(), matches!(algorithm, S | SearnOnline | C)),
             ("--longest", self.longest.is_some(), algorithm == F),
             ("--warm", self.warm, !matches!(algorithm, U | DaggerOnline | LolsOnline | K | E)),
             ("--conservative", self.conservative, algorithm == C),
@@ -208,6 +210,7 @@ impl TrainerOptions {
             }
             Algorithm::Smile => Trainer::Smile(self.smile()),
             Algorithm::Searn => Trainer::Searn(self.searn()),
+            Algorithm::SearnOnline => Trainer::SearnOnline(self.searn()),
             Algorithm::SearnShortcut => Trainer::SearnShortcut(self.searn()),
             Algorithm::Cpi => Trainer::Cpi(self.cpi()),
             Algorithm::Dagger => Trainer::Dagger(self.dagger()),

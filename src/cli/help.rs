@@ -55,8 +55,10 @@ put back; with --reuse where labels are dear.
   rollin train --data train.txt --model tagger.model --algorithm smile --alpha 0.3 --reuse
 
 SEARN: expert and classifiers roll in, one drawn a step, and roll out every action. Where mistakes
-are not alike; the shortcut asks the expert what an action costs and rolls nothing out.
+are not alike; online it learns from the costs as they come, in less time and memory, and the
+shortcut asks the expert what an action costs and rolls nothing out.
   rollin train --data train.txt --model tagger.model --algorithm searn --learner csoaa --beta 0.3
+  rollin train --data train.txt --model tagger.model --algorithm searn-online --learner hinge --warm
   rollin train --data train.txt --model tagger.model --algorithm searn-shortcut --learner csoaa
 
 CPI: as SEARN, but from one state an episode. Where roll-outs are dear; --conservative only goes

@@ -290,8 +290,8 @@ pub struct LearnerOptions {
     /// What fits a classifier to the expert's answers; not for early-update, which learns by itself
     #[arg(long, value_enum, default_value = "logistic", value_name = "NAME")]
     pub learner: LearnerName,
-    /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online and lols-online make one a
-    /// round whatever is given [default: 5, wap 3, svm 100, crammer-singer 50, net 10]
+    /// Passes over the examples each time the learner fits, at most for svm and crammer-singer; dagger-online, lols-online and searn-online
+    /// make one a round whatever is given [default: 5, wap 3, svm 100, crammer-singer 50, net 10]
     #[arg(long, value_name = "N")]
     passes: Option<usize>,
     /// AdaGrad's rate, or Adam's for net, for every learner but perceptron, svm and crammer-singer [default: 0.1, wap and filter-tree 0.2, net 0.005]

@@ -37,7 +37,7 @@ pub struct Train {
     /// The algorithm that decides at which states the expert is asked
     #[arg(long, value_enum, default_value = "dagger-online", value_name = "NAME")]
     algorithm: Algorithm,
-    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn, cpi)
+    /// How the model chooses a label where the algorithm makes a mixture of classifiers (smile, searn, searn-online, cpi)
     #[arg(long, value_enum, default_value = "mean", value_name = "NAME")]
     reading: ReadingName,
     /// Set the last tenth of the sentences aside, to learn from them how sure the model may be: for `rollin tag --confidence`
@@ -65,7 +65,8 @@ impl Train {
         self.trainer.check(&[self.algorithm])?;
         let (trainer, learner) = (self.trainer.trainer(self.algorithm), self.learner.learner()?);
         let recipe = Recipe { trainer, learner, reading: self.reading.into(), seed: global.seed };
-        if matches!(self.algorithm, Algorithm::DaggerOnline | Algorithm::LolsOnline | Algorithm::EarlyUpdate) {
+        use Algorithm::{DaggerOnline, EarlyUpdate, LolsOnline, SearnOnline};
+        if matches!(self.algorithm, SearnOnline | DaggerOnline | LolsOnline | EarlyUpdate) {
             self.learner.refuse_passes(&format!("{} makes one pass a round; use --rounds", self.algorithm.name()))?;
         }
         if same_file(&self.model, &self.data) {
@@ -78,6 +79,9 @@ impl Train {
         problem.episodes = held_out.start;
 
         let mut about = About { expert: self.trainer.flaw(), ..recipe.about(&corpus) };
+        let extent = [corpus.sentences(), corpus.tokens()].map(|count| grouped(count as f64));
+        // Large, and of no more use.
+        drop(corpus);
         let keep = self.long.keeping(given, &self.data, || checksum_of(&encoding))?;
         let log = self.long.log(&keep, &about)?;
         let kept = keep.is_some();
@@ -126,9 +130,9 @@ impl Train {
         let end = model.about.stopped.map_or_else(String::new, |round| format!("stopped after round {round}{how}\n"));
         print(&format!(
             "{} {}, {} {}{}\n\n{table}\n{end}wrote {}\n",
-            grouped(corpus.sentences() as f64),
+            extent[0],
             T::UNITS.episodes,
-            grouped(corpus.tokens() as f64),
+            extent[1],
             T::UNITS.steps,
             short(&facts),
             self.model.display(),

@@ -25,6 +25,8 @@ pub enum Trainer {
     Smile(Smile),
     /// [`Searn`] with roll-outs.
     Searn(Searn),
+    /// [`Searn`] with roll-outs, online.
+    SearnOnline(Searn),
     /// [`Searn`] with the expert's own cost-to-go: [`Shortcut`].
     SearnShortcut(Searn),
     /// [`Cpi`].
@@ -98,6 +100,7 @@ impl Trainer {
             Trainer::Forward(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Smile(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Searn(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
+            Trainer::SearnOnline(trainer) => trainer.train_online(problem, learner, run)?.map(Learned::from),
             Trainer::SearnShortcut(trainer) => trainer.train_by(problem, learner, &Shortcut, run)?.map(Learned::from),
             Trainer::Cpi(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
             Trainer::Dagger(trainer) => trainer.train(problem, learner, run)?.map(Learned::from),
@@ -116,7 +119,7 @@ impl Trainer {
             Trainer::Supervised(supervised) => ledgers::supervised(extent, supervised),
             Trainer::Forward(forward) => ledgers::forward(extent, forward),
             Trainer::Smile(smile) => ledgers::smile(extent, smile),
-            Trainer::Searn(searn) => ledgers::searn(extent, searn),
+            Trainer::Searn(searn) | Trainer::SearnOnline(searn) => ledgers::searn(extent, searn),
             Trainer::SearnShortcut(searn) => ledgers::searn_shortcut(extent, searn),
             Trainer::Cpi(cpi) => ledgers::cpi(extent, cpi),
             Trainer::Dagger(dagger) => ledgers::dagger(extent, dagger),
@@ -131,7 +134,8 @@ impl Trainer {
 
     /// Whether what it trains is a mixture, which can be read in more than one way.
     pub fn mixes(&self) -> bool {
-        matches!(self, Trainer::Smile(_) | Trainer::Searn(_) | Trainer::SearnShortcut(_) | Trainer::Cpi(_))
+        use Trainer::{Cpi, Searn, SearnOnline, SearnShortcut, Smile};
+        matches!(self, Smile(_) | Searn(_) | SearnOnline(_) | SearnShortcut(_) | Cpi(_))
     }
 
     /// The weights of the mixture pi^n for n = 0, ..., N, the expert's first, where it trains one by a rate that is known beforehand. What it ends with
@@ -153,7 +157,9 @@ impl Trainer {
             Trainer::Smile(smile) => {
                 (smile.rounds, smile.alpha, (|mixture, alpha| mixture.replace_expert(alpha, ())) as Update)
             }
-            Trainer::Searn(searn) | Trainer::SearnShortcut(searn) => (searn.rounds, searn.beta, blend),
+            Trainer::Searn(searn) | Trainer::SearnOnline(searn) | Trainer::SearnShortcut(searn) => {
+                (searn.rounds, searn.beta, blend)
+            }
             Trainer::Cpi(Cpi { rate: Rate::Fixed(beta), rounds, .. }) => (*rounds, *beta, blend),
             _ => return None,
         };

@@ -202,7 +202,7 @@ pub fn smile(extent: &Extent, smile: &Smile) -> Expected {
     Expected { labels, expert_acts: acts, queries: labels, steps: labels, examples: labels, ..Expected::default() }
 }
 
-/// What [`Searn::train`] costs.
+/// What [`Searn::train`] and [`Searn::train_online`] cost.
 pub fn searn(extent: &Extent, searn: &Searn) -> Expected {
     let (n, k, drawn) = (searn.rounds as f64, searn.samples as f64, shares(searn.beta, searn.rounds));
     let (expert_acts, rollout_acts) = (drawn * extent.steps(), drawn * k * extent.remainders);

@@ -3,11 +3,12 @@
 use super::{CHUNKS, Folder, TAGS, shipped};
 use serde_json::Value;
 
-pub const ALGORITHMS: [&str; 13] = [
+pub const ALGORITHMS: [&str; 14] = [
     "supervised",
     "forward",
     "smile",
     "searn",
+    "searn-online",
     "searn-shortcut",
     "cpi",
     "dagger",
@@ -20,7 +21,7 @@ pub const ALGORITHMS: [&str; 13] = [
 ];
 
 /// Those who find costs by rolling out: the expert acts for them and gives no label.
-const ROLL_OUTS: [&str; 4] = ["searn", "cpi", "lols", "lols-online"];
+const ROLL_OUTS: [&str; 5] = ["searn", "searn-online", "cpi", "lols", "lols-online"];
 const LEARNERS: [&str; 8] = ["perceptron", "logistic", "hinge", "csoaa", "wap", "filter-tree", "svm", "crammer-singer"];
 
 fn number(value: &Value) -> f64 {

@@ -413,10 +413,12 @@ fn what_would_be_lost_or_ignored_is_refused() {
     let folder = Folder::new();
     folder.put("t", TAGS);
     folder.says("train --data t --model ./t", "--model is ./t, but must be another file than --data");
-    folder.says(
-        "train --data t --model m --passes 3",
-        "--passes is given, but must be left out: dagger-online makes one pass a round; use --rounds",
-    );
+    for algorithm in ["dagger-online", "searn-online"] {
+        folder.says(
+            &format!("train --data t --model m --algorithm {algorithm} --passes 3"),
+            &format!("--passes is given, but must be left out: {algorithm} makes one pass a round; use --rounds"),
+        );
+    }
     folder.put("far.template", "U:%x[0,0]\nU:%y[-9]\n");
     folder.says(
         "train --data t --model m --template far.template",

@@ -54,10 +54,13 @@ fn counts() {
     let dagger = Dagger { rounds: 0, ..Dagger::default() };
     refused(&Trainer::Smile(Smile { rounds: 0, ..Smile::default() }), &problem, "rounds");
     refused(&Trainer::Searn(searn.clone()), &problem, "rounds");
+    refused(&Trainer::SearnOnline(searn.clone()), &problem, "rounds");
     refused(&Trainer::SearnShortcut(searn), &problem, "rounds");
     refused(&Trainer::Dagger(dagger.clone()), &problem, "rounds");
     refused(&Trainer::DaggerOnline(dagger), &problem, "rounds");
     refused(&Trainer::Searn(Searn { samples: 0, ..Searn::default() }), &problem, "samples");
+    refused(&Trainer::SearnOnline(Searn { samples: 0, ..Searn::default() }), &problem, "samples");
+    refused(&Trainer::SearnOnline(Searn { beta: 0.0, ..Searn::default() }), &problem, "beta");
 }
 
 #[test]
@@ -68,6 +71,7 @@ fn episodes() {
     refused(&Trainer::Forward(Forward::default()), &none, "episodes");
     refused(&Trainer::Smile(Smile::default()), &none, "episodes");
     refused(&Trainer::Searn(Searn::default()), &none, "episodes");
+    refused(&Trainer::SearnOnline(Searn::default()), &none, "episodes");
     refused(&Trainer::SearnShortcut(Searn::default()), &none, "episodes");
     refused(&Trainer::Dagger(Dagger::default()), &none, "episodes");
     refused(&Trainer::DaggerOnline(Dagger::default()), &none, "episodes");

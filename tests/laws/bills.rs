@@ -16,7 +16,7 @@ fn rounds(trainer: &Trainer) -> u64 {
     match trainer {
         Trainer::Supervised(_) | Trainer::Forward(_) => 1,
         Trainer::Smile(smile) => smile.rounds as u64,
-        Trainer::Searn(searn) | Trainer::SearnShortcut(searn) => searn.rounds as u64,
+        Trainer::Searn(searn) | Trainer::SearnOnline(searn) | Trainer::SearnShortcut(searn) => searn.rounds as u64,
         Trainer::Dagger(dagger) | Trainer::DaggerOnline(dagger) => dagger.rounds as u64,
         Trainer::Cpi(cpi) => cpi.rounds as u64,
         Trainer::Aggrevate(aggrevate) => aggrevate.rounds as u64,
@@ -100,6 +100,7 @@ proptest! {
             Trainer::Stacked(Stacking { folds: 4, window: 2 }),
             Trainer::Smile(Smile { alpha: 1.0, rounds: 3, warm: true, ..Smile::default() }),
             Trainer::Searn(searn.clone()),
+            Trainer::SearnOnline(searn.clone()),
             Trainer::SearnShortcut(searn),
         ];
         for trainer in certain {

@@ -139,6 +139,7 @@ pub fn trainers() -> Vec<Trainer> {
         Trainer::Forward(Forward { warm: true, ..Forward::default() }),
         Trainer::Smile(Smile { alpha: 0.4, rounds: 4, ..Smile::default() }),
         Trainer::Searn(searn.clone()),
+        Trainer::SearnOnline(searn.clone()),
         Trainer::SearnShortcut(searn),
         Trainer::Dagger(dagger.clone()),
         Trainer::DaggerOnline(dagger.clone()),
@@ -155,7 +156,10 @@ pub fn trainers() -> Vec<Trainer> {
 
 /// Whether it finds costs by rolling out, and so asks for acts and not for labels.
 pub fn rolls_out(trainer: &Trainer) -> bool {
-    matches!(trainer, Trainer::Searn(_) | Trainer::Cpi(_) | Trainer::Lols(_) | Trainer::LolsOnline(_))
+    matches!(
+        trainer,
+        Trainer::Searn(_) | Trainer::SearnOnline(_) | Trainer::Cpi(_) | Trainer::Lols(_) | Trainer::LolsOnline(_)
+    )
 }
 
 pub fn learners() -> Vec<AnyLearner> {
