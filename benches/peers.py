@@ -6,7 +6,7 @@
 
 DIR holds the shared task's train.txt and test.txt. The peers come from PyPI (pip install vowpalwabbit python-crfsuite);
 what is not installed is skipped, and the table says so. All systems get the same 26 observation features, those of
-grammars/chunking.template. The peers get them written out beforehand; rollin reads the text of the corpus itself.
+grammars/chunking.template. Of the labels before, ours get the last one, as the peers do (grammars/chunking-chain.template), or more of them where the row says so. The peers get them written out beforehand; rollin reads the text of the corpus itself.
 
 Every command is run --runs times, all commands of a part in turn. CPU is user and system time of one thread: for
 rollin of the whole process, for the peers without the start of Python and the import. A ratio is the median of the
@@ -285,6 +285,7 @@ class Table:
         print("| " + " | ".join(f"{c:.2f}" if isinstance(c, float) else str(c) for c in cells) + " |", flush=True)
 
 
+CHAIN = ["--template", os.path.join(ROOT, "grammars", "chunking-chain.template")]
 FAST = ["--algorithm", "dagger-online", "--rounds", "3", "--learner", "hinge"]
 AHEAD = ["--template", os.path.join(ROOT, "grammars", "chunking-ahead.template"), "--rounds", "5", "--rate", "0.06", "--tolerance", "0.05"]
 WIDE = ["--template", os.path.join(ROOT, "grammars", "chunking-wide.template"), "--algorithm", "smile", "--alpha", "0.2", "--rounds", "7",
@@ -304,20 +305,32 @@ def against(sitting, title, peers, ours, scores, passes=None):
         table.row(name, median(measured, "cpu"), *speeds, f"{median(measured, 'rss'):.0f}", scores[name](), *more)
 
 
+def models_of(sitting, ours, part):
+    """For trainings by their names and options: what runs each, and what scores the model that it makes."""
+    jobs, scores = {}, {}
+    for i, (name, options) in enumerate(ours.items()):
+        model = f"{part}{i}.model"
+        jobs[f"rollin, {name}"] = lambda model=model, options=options: run(sitting.train(model, *options))
+        scores[f"rollin, {name}"] = lambda model=model: 100 * sitting.score(model)
+    return jobs, scores
+
+
 def part_train(sitting):
     peers = {}
     if sitting.has["vowpalwabbit"]:
         peers["Vowpal Wabbit, 3 passes"] = sitting.vw_train("dagger.vwm", "--passes", "3", "--search_rollout", "none", "--search_rollin", "learn")
-    jobs = {"rollin, 3 rounds, hinge": sitting.train("fast.model", *FAST),
-            "rollin, 3 rounds, hinge, cutoff 2": sitting.train("frequent.model", *FAST, "--cutoff", "2"),
-            "rollin, 3 rounds, tolerance 0.3": sitting.train("sure.model", "--rounds", "3", "--tolerance", "0.3"),
-            "rollin, 3 rounds, by default": sitting.train("default.model", "--rounds", "3"),
-            "rollin, 3 rounds, by default, cutoff 2": sitting.train("fewer.model", "--rounds", "3", "--cutoff", "2"),
-            "rollin, 3 rounds, perceptron": sitting.train("perceptron.model", "--rounds", "3", "--learner", "perceptron")}
-    scores = {"Vowpal Wabbit, 3 passes": lambda: sitting.vw_score("dagger.vwm")}
-    for name, model in zip(jobs, ("fast.model", "frequent.model", "sure.model", "default.model", "fewer.model", "perceptron.model")):
-        scores[name] = lambda model=model: 100 * sitting.score(model)
-    against(sitting, "Training, DAgger-like", peers, {name: lambda job=job: run(job) for name, job in jobs.items()}, scores, 3)
+    ours = {"hinge": [*FAST, *CHAIN],
+            "hinge, cutoff 2": [*FAST, *CHAIN, "--cutoff", "2"],
+            "perceptron": ["--rounds", "3", "--learner", "perceptron", *CHAIN],
+            "tolerance 0.3": ["--rounds", "3", "--tolerance", "0.3", *CHAIN],
+            "by default": ["--rounds", "3", *CHAIN],
+            "hinge, more of the labels before": FAST,
+            "hinge, more of the labels before, cutoff 2": [*FAST, "--cutoff", "2"],
+            "by default, more of the labels before": ["--rounds", "3"],
+            "by default, more of the labels before, cutoff 2": ["--rounds", "3", "--cutoff", "2"]}
+    jobs, scores = models_of(sitting, ours, "train")
+    scores["Vowpal Wabbit, 3 passes"] = lambda: sitting.vw_score("dagger.vwm")
+    against(sitting, "Training, DAgger-like", peers, jobs, scores, 3)
 
 
 def part_best(sitting):
@@ -326,13 +339,9 @@ def part_best(sitting):
         peers["CRFsuite L-BFGS"] = sitting.crf_train("lbfgs", {"c2": 1.0, "max_iterations": 100})
         peers["CRFsuite averaged perceptron"] = sitting.crf_train("ap", {"max_iterations": 20})
     settings = {"two readings": AHEAD, "more features and SMILe": WIDE}
-    ours = {f"rollin, {name}, seed {seed}": [*options, "--seed", str(seed)] for name, options in settings.items() for seed in (1, 2, 3)}
-    scores = {"CRFsuite L-BFGS": lambda: sitting.crf_score("lbfgs"), "CRFsuite averaged perceptron": lambda: sitting.crf_score("ap")}
-    jobs = {}
-    for i, (name, options) in enumerate(ours.items()):
-        model = f"{i}.model"
-        jobs[name] = lambda model=model, options=options: run(sitting.train(model, *options))
-        scores[name] = lambda model=model: 100 * sitting.score(model)
+    ours = {f"{name}, seed {seed}": [*options, "--seed", str(seed)] for name, options in settings.items() for seed in (1, 2, 3)}
+    jobs, scores = models_of(sitting, ours, "best")
+    scores |= {"CRFsuite L-BFGS": lambda: sitting.crf_score("lbfgs"), "CRFsuite averaged perceptron": lambda: sitting.crf_score("ap")}
     against(sitting, "The best F1, on the same observation features but for the last three", peers, jobs, scores)
 
 
@@ -341,20 +350,21 @@ def part_rollout(sitting):
     if sitting.has["vowpalwabbit"]:
         peers["Vowpal Wabbit, mixed roll-outs, 3 passes"] = sitting.vw_train(
             "lols.vwm", "--passes", "3", "--search_rollout", "mix_per_roll", "--search_rollin", "learn")
-    ours = {"rollin, LOLS online, 3 rounds": ["--algorithm", "lols-online", "--rounds", "3", "--learner", "hinge"],
-            "rollin, SEARN, 3 rounds": ["--algorithm", "searn", "--rounds", "3", "--passes", "1", "--warm", "--learner", "hinge"]}
-    scores = {"Vowpal Wabbit, mixed roll-outs, 3 passes": lambda: sitting.vw_score("lols.vwm")}
-    jobs = {}
-    for name, options in ours.items():
-        model = options[1] + ".model"
-        jobs[name] = lambda model=model, options=options: run(sitting.train(model, *options))
-        scores[name] = lambda model=model: 100 * sitting.score(model)
+    searn = ["--rounds", "3", "--warm", "--learner", "hinge"]
+    lols = ["--algorithm", "lols-online", "--rounds", "3", "--learner", "hinge"]
+    ours = {"LOLS online": [*lols, *CHAIN],
+            "SEARN online": ["--algorithm", "searn-online", *searn, *CHAIN],
+            "SEARN": ["--algorithm", "searn", "--passes", "1", *searn, *CHAIN],
+            "LOLS online, more of the labels before": lols,
+            "SEARN online, more of the labels before": ["--algorithm", "searn-online", *searn]}
+    jobs, scores = models_of(sitting, ours, "rollout")
+    scores["Vowpal Wabbit, mixed roll-outs, 3 passes"] = lambda: sitting.vw_score("lols.vwm")
     against(sitting, "Training with roll-outs of every action", peers, jobs, scores, 3)
 
 
 def part_tag(sitting):
     """Whole runs on the test set, and what a further copy of the corpus costs: tagging without the start."""
-    run(sitting.train("fast.model", *FAST))
+    run(sitting.train("fast.model", *FAST, *CHAIN))
     long = sitting.path("long.txt")
     with open(long, "wb") as out:
         for name in ("train", "test") * 4:
