@@ -225,7 +225,7 @@ impl LinearMemory {
         weights: &Weights,
         sight: &Sight<'_, Features>,
     ) -> Action {
-        if columns == Columns::Actions && weights.reach.is_empty() {
+        if columns == Columns::Actions && !weights.measured {
             return self.choose_once(weights, sight);
         }
         if columns != Columns::Actions || sight.shared.keyed(sight.view.row).is_empty() {
@@ -237,8 +237,7 @@ impl LinearMemory {
         }
         let place = self.near(actions, weights, sight);
         let (action, margin) = self.decided[place];
-        let reach: f32 = far.iter().map(|f| weights.reach[weights.index[*f as usize] as usize]).sum();
-        if reach < margin && far.len() <= MOST_ADDED {
+        if weights.reach(far) < margin && far.len() <= MOST_ADDED {
             return action;
         }
         self.sums.copy_from_slice(self.near.read(place, weights.stride()));
@@ -255,7 +254,7 @@ impl LinearMemory {
         weights: &Weights,
         sight: &Sight<'_, Features>,
     ) -> Option<Action> {
-        let measured = columns == Columns::Actions && !weights.reach.is_empty();
+        let measured = columns == Columns::Actions && weights.measured;
         if !measured || sight.shared.keyed(sight.view.row).is_empty() {
             return None;
         }
@@ -286,7 +285,7 @@ impl LinearMemory {
         front: &Front<'_, Features>,
         chosen: &mut [Option<Action>],
     ) {
-        if columns == Columns::Actions && !weights.reach.is_empty() && weights.most() == 0.0 {
+        if columns == Columns::Actions && weights.measured && weights.most() == 0.0 {
             match weights.stride() {
                 8 => return self.choose_by_keys::<8>(weights, front, chosen),
                 16 => return self.choose_by_keys::<16>(weights, front, chosen),

@@ -10,13 +10,15 @@ pub struct Weights {
     columns: usize,
     stride: usize,
     /// The row of a feature; 0 when it has none.
-    pub(super) index: Vec<u32>,
+    index: Vec<u32>,
     /// The rows of the features below this are in their order, the first of them at 1: nothing has to be looked up. That is what a model is read as.
     straight: u32,
     /// Row r, column c at r * stride + c. Row 0 is all zero.
     rows: Vec<f32>,
-    /// How far each row can move one column against another, at most; infinite where it was not measured, empty where none was.
-    pub(super) reach: Vec<f32>,
+    /// Whether it is known how far rows can move one column against another.
+    pub(super) measured: bool,
+    /// How far each of them can, at most; infinite where it was not measured, empty where none was or no dynamic feature is ever seen.
+    reach: Vec<f32>,
     /// The first dynamic feature, and how many of them a view has at most.
     beyond: (u32, usize),
     /// How far any row of these reached since they were measured, at most.
@@ -83,6 +85,7 @@ impl Weights {
             index,
             straight: 0,
             rows,
+            measured: false,
             reach: Vec::new(),
             beyond: (0, 0),
             furthest: 0.0,
@@ -148,10 +151,13 @@ impl Weights {
     }
 
     fn measure_all(&mut self) {
+        (self.measured, self.furthest, self.unmeasured, self.reach) = (true, 0.0, 0, Vec::new());
+        if self.beyond.1 == 0 {
+            return;
+        }
         self.reach = self.rows.chunks_exact(self.stride).map(reach).collect();
         let dynamic = &self.index[(self.beyond.0 as usize).min(self.index.len())..];
         self.furthest = dynamic.iter().map(|place| self.reach[*place as usize]).fold(0.0, further);
-        self.unmeasured = 0;
     }
 
     /// Measures the row of `feature` again, if the weights are measured.
@@ -165,6 +171,13 @@ impl Weights {
                 self.unmeasured -= usize::from(before == f32::INFINITY);
             }
         }
+    }
+
+    /// How far these features together can move one column against another, at most.
+    #[inline]
+    pub(super) fn reach(&self, features: &[u32]) -> f32 {
+        let reach = |feature: &u32| self.reach.get(self.index[*feature as usize] as usize);
+        features.iter().map(|feature| reach(feature).copied().unwrap_or(f32::INFINITY)).sum()
     }
 
     /// How far all dynamic features of a view together can move one column against another, at most, whichever they are.
@@ -229,7 +242,7 @@ impl Weights {
     pub fn renumber(mut self, old: &[u32]) -> Self {
         self.index = old.iter().map(|feature| self.index.get(*feature as usize).copied().unwrap_or(0)).collect();
         self.straighten();
-        self.reach = Vec::new();
+        (self.measured, self.reach) = (false, Vec::new());
         self
     }
 
@@ -331,7 +344,6 @@ impl Weights {
     /// The rows changed by `change`, which gets the place and the weights of each. Those that come out all zero are left out. They are measured if they were.
     pub(crate) fn map_rows(mut self, mut change: impl FnMut(usize, &mut [f32])) -> Weights {
         let stride = self.stride;
-        let measured = !std::mem::take(&mut self.reach).is_empty();
         let mut moved = vec![0; self.len() + 1];
         let mut kept = 1;
         for (place, to) in moved.iter_mut().enumerate().skip(1) {
@@ -347,7 +359,7 @@ impl Weights {
         self.straighten();
         self.rows.truncate(kept * stride);
         self.rows.shrink_to_fit();
-        if measured {
+        if self.measured {
             self.measure_all();
         }
         self

@@ -22,9 +22,9 @@ pub struct Memo<S> {
     found: usize,
     /// The roll-outs that go on, all of them at the same step.
     pub(super) front: Vec<Standing<S>>,
-    /// The number of the state that each action leads to, of those that are tried.
-    pub(super) tried: Vec<u32>,
-    /// What each of them costs.
+    /// What each action costs that is tried, and the number of the state that it leads to.
+    pub(super) tried: Vec<(f64, u32)>,
+    /// What they cost to the end.
     pub(super) costs: Vec<f64>,
 }
 
@@ -77,37 +77,15 @@ impl<S> Memo<S> {
         }
     }
 
-    /// The number of the state with this signature at step `t`, and whether it is new: what comes after it is then to be found out, and to be
-    /// [settled](Memo::settle) before the next roll-outs. A state without a signature is always new.
-    #[inline(always)] // It is called at two places, at each of them for every state.
-    pub(super) fn come_to(&mut self, t: usize, signature: Option<u64>) -> (u32, bool) {
-        let number = self.rests.len() as u32;
-        if let Some(signature) = signature {
-            if self.steps.len() <= t {
-                self.steps.resize_with(t + 1, Table::default);
-            }
-            let state = State { signature, era: self.era, number };
-            if let Some(known) = self.steps[t].find_or_keep(state) {
-                return (known, false);
-            }
-            self.found = self.rests.len() + 1;
+    /// Where roll-outs come to at step `t`.
+    pub(super) fn arrivals(&mut self, t: usize) -> Arrivals<'_> {
+        if self.steps.len() <= t {
+            self.steps.resize_with(t + 1, Table::default);
         }
-        self.rests.push(Rest::default());
-        (number, true)
-    }
-
-    /// Writes down that a step which costs `cost` leads from the state of this number to the `next`, and what else was billed for it.
-    #[inline]
-    pub(super) fn go_on(&mut self, number: u32, cost: f64, next: u32, billed: Billed) {
-        let (acts, bill) = match billed {
-            Billed::Nothing => (0, 0),
-            Billed::Act => (1, 0),
-            Billed::More(bill) => {
-                self.bills.push(bill);
-                (0, self.bills.len() as u32 - 1)
-            }
-        };
-        self.rests[number as usize] = Rest { cost, steps: 1, acts, bill, next };
+        let Memo { era, steps, rests, bills, found, .. } = self;
+        let table = &mut steps[t];
+        table.begin(*era);
+        Arrivals { era: *era, table, rests, bills, found }
     }
 
     /// How far everything is known so far: what comes later is to be [settled](Memo::settle).
@@ -135,9 +113,29 @@ impl<S> Memo<S> {
         }
     }
 
+    /// Finds what the actions cost that were tried, and returns the bill of all that came after them.
+    pub(super) fn sum_up(&mut self) -> Ledger {
+        let Memo { rests, bills, tried, costs, .. } = self;
+        let (mut steps, mut acts, mut sum) = (0, 0, Ledger::default());
+        costs.clear();
+        costs.extend(tried.iter().map(|(cost, number)| {
+            let rest = rests[*number as usize];
+            steps += u64::from(rest.steps);
+            acts += u64::from(rest.acts);
+            if rest.bill != 0 {
+                sum += bills[rest.bill as usize];
+            }
+            cost + rest.cost
+        }));
+        sum.steps += steps;
+        sum.rollout_acts += acts;
+        sum.queries += acts;
+        sum
+    }
+
     /// What comes after a state that is settled: what it costs, and its bill.
-    #[inline]
-    pub(super) fn rest(&self, number: u32) -> (f64, Ledger) {
+    #[cfg(test)]
+    fn rest(&self, number: u32) -> (f64, Ledger) {
         let Rest { cost, steps, acts, bill, .. } = self.rests[number as usize];
         let mut bill = if bill == 0 { Ledger::default() } else { self.bills[bill as usize] };
         bill.steps += u64::from(steps);
@@ -163,6 +161,46 @@ pub(super) enum Billed {
     Act,
     /// This.
     More(Ledger),
+}
+
+/// The states of one step that are known.
+pub(super) struct Arrivals<'m> {
+    era: u32,
+    table: &'m mut Table,
+    rests: &'m mut Vec<Rest>,
+    bills: &'m mut Vec<Ledger>,
+    found: &'m mut usize,
+}
+
+impl Arrivals<'_> {
+    /// The number of the state with this signature, and whether it is new: what comes after it is then to be found out, and to be [settled](Memo::settle)
+    /// before the next roll-outs. A state without a signature is always new.
+    #[inline(always)] // It is called at two places, at each of them for every state.
+    pub(super) fn come_to(&mut self, signature: Option<u64>) -> (u32, bool) {
+        let number = self.rests.len() as u32;
+        if let Some(signature) = signature {
+            if let Some(known) = self.table.find_or_keep(State { signature, era: self.era, number }) {
+                return (known, false);
+            }
+            *self.found = self.rests.len() + 1;
+        }
+        self.rests.push(Rest::default());
+        (number, true)
+    }
+
+    /// Writes down that a step which costs `cost` leads from the state of this number, of the step before, to the `next`, and what else was billed for it.
+    #[inline]
+    pub(super) fn go_on(&mut self, number: u32, cost: f64, next: u32, billed: Billed) {
+        let (acts, bill) = match billed {
+            Billed::Nothing => (0, 0),
+            Billed::Act => (1, 0),
+            Billed::More(bill) => {
+                self.bills.push(bill);
+                (0, self.bills.len() as u32 - 1)
+            }
+        };
+        self.rests[number as usize] = Rest { cost, steps: 1, acts, bill, next };
+    }
 }
 
 /// How much was known at some time.
@@ -198,12 +236,16 @@ impl Default for Table {
 }
 
 impl Table {
+    /// Begins an era, if that is a new one.
+    fn begin(&mut self, era: u32) {
+        if self.taken.0 != era {
+            self.taken = (era, 0);
+        }
+    }
+
     /// The number of the state with the same signature and era, if there is one; else this one is kept.
     #[inline(always)] // It is little more than one comparison, mostly.
     fn find_or_keep(&mut self, state: State) -> Option<u32> {
-        if self.taken.0 != state.era {
-            self.taken = (state.era, 0);
-        }
         let place = match self.place(state) {
             Ok(place) => return Some(self.places[place].number),
             Err(free) => free,
@@ -273,7 +315,7 @@ mod tests {
                 let (mark, mut way, mut last, mut known) = (memo.mark(), Vec::new(), 0, (0.0, Ledger::default()));
                 for (t, (signature, cost)) in passed.into_iter().enumerate() {
                     let key = signature.map(|signature| (t, signature));
-                    let (number, new) = memo.come_to(t, signature);
+                    let (number, new) = memo.arrivals(t).come_to(signature);
                     prop_assert_eq!(!new, key.is_some_and(|key| map.contains_key(&key)));
                     if !new {
                         (last, known) = (number, map[&key.unwrap_or_default()]);
@@ -291,7 +333,7 @@ mod tests {
                 };
                 let nexts = way.iter().skip(1).map(|(number, ..)| *number).chain([last]);
                 for ((number, _, cost), next) in way.iter().zip(nexts) {
-                    memo.go_on(*number, f64::from(*cost), next, billed(*cost));
+                    memo.arrivals(0).go_on(*number, f64::from(*cost), next, billed(*cost));
                 }
                 memo.settle(mark);
                 for (number, key, cost) in way.into_iter().rev() {

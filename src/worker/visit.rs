@@ -316,26 +316,23 @@ impl<'v, P: Problem> Visit<'v, P> {
         memo.belong_to(run);
         self.looked = false;
         let mark = memo.mark();
-        memo.tried.clear();
-        memo.costs.clear();
-        let mut front = std::mem::take(&mut memo.front);
-        let seed = run.child(Purpose::Step, self.t as u64);
-        for action in self.legal().iter() {
+        let (mut front, mut tried) = (std::mem::take(&mut memo.front), std::mem::take(&mut memo.tried));
+        let (mut t, seed) = (self.t + 1, run.child(Purpose::Step, self.t as u64));
+        let mut arrivals = memo.arrivals(t);
+        tried.clear();
+        tried.extend(self.legal.iter().map(|action| {
             let mut state = self.state.clone();
             let cost = space.step(&mut state, action, seed);
-            let (number, new) = memo.come_to(self.t + 1, space.signature(&state));
-            memo.tried.push(number);
-            memo.costs.push(cost);
+            let (number, new) = arrivals.come_to(space.signature(&state));
             if new && !space.legal(&state).is_empty() {
                 front.push(Standing { state, number, spent: cost });
             }
-        }
-        let mut t = self.t;
+            (cost, number)
+        }));
         while !front.is_empty() {
-            t += 1;
             let seed = run.child(Purpose::Step, t as u64);
             let (experts, answers) = (drive.leaves_to_expert(seed), seed.child(Purpose::Expert, 0));
-            let mut going = 0;
+            let (mut arrivals, mut going) = (memo.arrivals(t + 1), 0);
             for start in (0..front.len()).step_by(ABREAST) {
                 let abreast = start..front.len().min(start + ABREAST);
                 let mut actions = [None; ABREAST];
@@ -344,21 +341,22 @@ impl<'v, P: Problem> Visit<'v, P> {
                 }
                 for i in abreast {
                     let Standing { state, number, spent } = &mut front[i];
-                    let known =
-                        if experts { problem.expert().answer(space, state, answers) } else { actions[i - start] };
-                    let (action, billed) = match known {
-                        Some(action) if experts => (action, Billed::Act),
+                    let (action, billed) = match actions[i - start] {
                         Some(action) => (action, Billed::Nothing),
                         None => {
-                            let mut bill = Ledger::default();
-                            let mut visit = Visit::new(problem, state, &mut bill, self.looks, Kind::RollOut, t, run);
-                            visit.spent = *spent;
-                            (drive.act(&mut visit), Billed::More(bill))
+                            let answer = experts.then(|| problem.expert().answer(space, state, answers)).flatten();
+                            answer.map(|action| (action, Billed::Act)).unwrap_or_else(|| {
+                                let mut bill = Ledger::default();
+                                let looks = &mut *self.looks;
+                                let mut visit = Visit::new(problem, state, &mut bill, looks, Kind::RollOut, t, run);
+                                visit.spent = *spent;
+                                (drive.act(&mut visit), Billed::More(bill))
+                            })
                         }
                     };
                     let cost = space.step(state, action, seed);
-                    let (next, new) = memo.come_to(t + 1, space.signature(state));
-                    memo.go_on(*number, cost, next, billed);
+                    let (next, new) = arrivals.come_to(space.signature(state));
+                    arrivals.go_on(*number, cost, next, billed);
                     (*number, *spent) = (next, *spent + cost);
                     if new && !space.legal(state).is_empty() {
                         front.swap(going, i);
@@ -367,14 +365,11 @@ impl<'v, P: Problem> Visit<'v, P> {
                 }
             }
             front.truncate(going);
+            t += 1;
         }
-        memo.front = front;
+        (memo.front, memo.tried) = (front, tried);
         memo.settle(mark);
-        for i in 0..memo.tried.len() {
-            let (cost, bill) = memo.rest(memo.tried[i]);
-            memo.costs[i] += cost;
-            *self.ledger += bill;
-        }
+        *self.ledger += memo.sum_up();
         let tried = memo.tried.len() as u64;
         self.ledger.rollouts += tried;
         self.ledger.resets += tried;
