@@ -32,6 +32,8 @@ const PORTION: usize = 256;
 /// assert_eq!(trained.ledger.resets, trained.ledger.rollouts);
 /// let weights: Vec<f64> = trained.policy.members().iter().map(|(weight, _)| *weight).collect();
 /// assert_eq!(weights, [1.0 / 3.0, 2.0 / 3.0]); // 1/4, 1/2 without the expert's 1/4
+/// let online = searn.train_online(&problem, &Csoaa::default(), &Run::new(1))?;
+/// assert_eq!(online.ledger.examples, trained.ledger.examples);
 /// # Ok::<(), rollin::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -16,7 +16,7 @@ pub struct Memo<S> {
     steps: Vec<Table>,
     /// What comes after the states that were come to, by their numbers. Number 0 is the end, after which nothing comes.
     rests: Vec<Rest>,
-    /// The bills of those where somebody was asked. Number 0 is the bill of the others.
+    /// The bills of those for which more was billed than steps and acts of the expert. Number 0 is the bill of the others.
     bills: Vec<Ledger>,
     /// States of this number and above cannot be found again.
     found: usize,
