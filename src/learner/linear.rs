@@ -177,8 +177,12 @@ fn start<R: Rule>(rule: &R, setting: Setting<'_, Features>, warm: Option<&Linear
     let columns = rule.columns();
     let mut weights = Weights::new(setting.shared.features(), columns.count(setting.actions));
     weights.reserve_all();
-    // One with columns for something else is none to start from.
-    if let Some(warm) = warm.filter(|warm| warm.columns == columns && warm.actions == setting.actions) {
+    // One with columns for something else, or more features, is none to start from.
+    let fits = |warm: &&Linear| {
+        let features = warm.weights.features() <= setting.shared.features();
+        features && warm.columns == columns && warm.actions == setting.actions
+    };
+    if let Some(warm) = warm.filter(fits) {
         weights.start_from(&warm.weights);
     }
     let beside = weights.features() * weights.stride() / BLOCK * rule.descent().beside();

@@ -128,10 +128,7 @@ impl Sums {
     /// Writes the sums over these features there, those of the columns in `span`.
     #[inline(never)] // What is known is found without it.
     fn sum_up(&mut self, place: usize, key: (u32, u32), weights: &Weights, features: &[u32], span: Range<usize>) {
-        let from = span.start;
-        let sums = &mut self.write(place, key, weights.stride())[span];
-        sums.fill(0.0);
-        weights.add_parts([(features, 0)], from, sums);
+        weights.sum_parts([(features, 0)], span, self.write(place, key, weights.stride()));
     }
 
     #[inline]

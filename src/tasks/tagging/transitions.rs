@@ -159,7 +159,7 @@ impl Transitions {
         self.rows(left).is_none_or(|rows| rows.anywhere[label as usize])
     }
 
-    /// Whether `label` may follow, there, some label that may follow whatever stands before that: none is ever further away than one step.
+    /// Whether `label` may follow whatever stands before it there, or may follow a label that may: from anywhere, it is at most one other label away.
     #[inline]
     pub fn is_near(&self, label: u32, left: u32) -> bool {
         self.rows(left).is_none_or(|rows| rows.near[label as usize])
