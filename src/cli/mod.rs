@@ -21,6 +21,7 @@ mod report;
 #[cfg(feature = "serve")]
 mod serve;
 mod shell;
+mod stream;
 mod tag;
 mod tasks;
 mod terminal;

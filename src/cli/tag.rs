@@ -2,6 +2,7 @@
 
 use super::explain::{self, Asked};
 use super::options::{ReadingName, no_such_setting};
+use super::stream::answered;
 use super::tasks::{read_model, with_task};
 use super::{Global, closed};
 use crate::error::{Error, Result};
@@ -10,7 +11,6 @@ use crate::read::input;
 use crate::seed::Seed;
 use crate::tasks::{Data, Model, Task, write_labels};
 use clap::Args;
-use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ pub struct Tag {
 }
 
 /// Lines of a block, which one thread tags at a time.
-const BLOCK: usize = 65_536;
+const BLOCK: usize = 16_384;
 
 /// In which form a block is answered.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -101,34 +101,17 @@ impl Tag {
         let path = input::name("-".as_ref());
         let (mut stream, mut sentences) = (T::Stream::default(), 0);
         let mut blocks = Blocks::new(input::open("-")?, BLOCK);
-        let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-        let mut going = true;
-        while going {
-            // One block for each thread; what was read before a fault is tagged all the same.
-            let mut read: Vec<Read<T>> = Vec::new();
-            let mut fault = Ok(());
-            while read.len() < rayon::current_num_threads() && fault.is_ok() && going {
-                match blocks.next() {
-                    None => going = false,
-                    Some(Err(error)) => fault = Err(Error::io("read", path, error)),
-                    Some(Ok(block)) => match model.encoding.parse_block(&block, path, &mut stream) {
-                        Err(error) => fault = Err(error),
-                        Ok(data) => {
-                            let before = sentences;
-                            sentences += data.as_ref().map_or(0, Data::sentences);
-                            read.push((block, data, before));
-                        }
-                    },
-                }
-            }
-            let seed = Seed::new(global.seed);
-            let answers: Vec<Result<Vec<u8>>> =
-                read.into_par_iter().map(|read| answer(&model, read, form, seed)).collect();
-            for answer in answers {
-                out.write_all(&answer?).map_err(closed)?;
-            }
-            fault?;
-        }
+        let mut read = |block: Block| -> Result<Read<T>> {
+            let data = model.encoding.parse_block(&block, path, &mut stream)?;
+            let before = sentences;
+            sentences += data.as_ref().map_or(0, Data::sentences);
+            Ok((block, data, before))
+        };
+        let next = || Some(blocks.next()?.map_err(|error| Error::io("read", path, error)).and_then(&mut read));
+        let seed = Seed::new(global.seed);
+        let mut out = BufWriter::with_capacity(1 << 16, io::stdout());
+        let write = |answer: Vec<u8>| out.write_all(&answer).map_err(closed);
+        answered(next, |read| answer(&model, read, form, seed), write)?;
         out.flush().map_err(closed)
     }
 }

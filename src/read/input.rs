@@ -33,7 +33,7 @@ const STDIN: &str = "-";
 const BUFFER: usize = 1 << 16;
 
 /// Something to be read, unpacked.
-pub type Input = Box<dyn BufRead>;
+pub type Input = Box<dyn BufRead + Send>;
 
 /// What `path` is called in errors: standard input has a name of its own.
 pub fn name(path: &Path) -> &Path {
@@ -115,7 +115,7 @@ fn source(path: &Path) -> Result<Input> {
     if TAKEN.swap(true, Ordering::Relaxed) {
         return Err(Error::file(name(path), "read already", "give a file in place of one -"));
     }
-    Ok(Box::new(BufReader::with_capacity(BUFFER, io::stdin().lock())))
+    Ok(Box::new(BufReader::with_capacity(BUFFER, io::stdin())))
 }
 
 /// How a text is packed.
@@ -181,7 +181,7 @@ impl<R: Read> Read for Patient<R> {
 }
 
 /// What `decoder` makes of an archive, with errors that say so.
-fn unpacked(packing: Packing, decoder: impl Read + 'static) -> Input {
+fn unpacked(packing: Packing, decoder: impl Read + Send + 'static) -> Input {
     Box::new(BufReader::with_capacity(BUFFER, Unpacked { packing, decoder }))
 }
 

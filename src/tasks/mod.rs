@@ -68,7 +68,7 @@ pub trait Task: Sized + Send + Sync {
     type Header: Serialize + DeserializeOwned;
     /// What is kept of the blocks of a stream to see that the next one goes with them.
     #[doc(hidden)]
-    type Stream: Default;
+    type Stream: Default + Send;
 
     /// What its corpora are made of.
     #[doc(hidden)]
