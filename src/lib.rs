@@ -57,6 +57,7 @@ pub mod grammar;
 pub mod guide;
 mod index;
 pub mod learner;
+mod ordered;
 pub(crate) mod output;
 pub mod policy;
 pub mod prelude;

@@ -1,8 +1,8 @@
 //! A stream that is answered block by block, on all threads.
 
 use crate::error::Result;
+use crate::ordered::InOrder;
 use rayon::Scope;
-use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Gives what `next` reads to `answer`, on all threads, and the answers to `write`, in the order of what was read. One thread reads at a time, and few blocks are
@@ -16,7 +16,7 @@ pub fn answered<B: Send, A: Send>(
     write: impl FnMut(A) -> Result<()> + Send,
 ) -> Result<()> {
     let source = Mutex::new(Source { next, read: 0, going: true });
-    let sink = Mutex::new(Sink { write, waiting: BTreeMap::new(), written: 0, done: Ok(()) });
+    let sink = Mutex::new(Sink { write, answers: InOrder::default(), done: Ok(()) });
     let stream = Stream { source, answer, sink };
     let held = 2 * rayon::current_num_threads();
     rayon::scope(|scope| (0..held).for_each(|_| stream.go_on(scope)));
@@ -39,9 +39,7 @@ struct Source<N> {
 
 struct Sink<W, A> {
     write: W,
-    /// Answers to later blocks than the next to be written.
-    waiting: BTreeMap<usize, Result<A>>,
-    written: usize,
+    answers: InOrder<Result<A>>,
     done: Result<()>,
 }
 
@@ -77,15 +75,15 @@ impl<B, N: FnMut() -> Option<Result<B>>> Source<N> {
 impl<A, W: FnMut(A) -> Result<()>> Sink<W, A> {
     /// Takes the answer to this block and writes what can be written. Returns how many answers that were; none after an error.
     fn take(&mut self, number: usize, answer: Result<A>) -> usize {
-        self.waiting.insert(number, answer);
-        let before = self.written;
+        self.answers.put(number, answer);
+        let mut written = 0;
         while self.done.is_ok()
-            && let Some(answer) = self.waiting.remove(&self.written)
+            && let Some(answer) = self.answers.next()
         {
             self.done = answer.and_then(&mut self.write);
-            self.written += 1;
+            written += 1;
         }
-        if self.done.is_ok() { self.written - before } else { 0 }
+        if self.done.is_ok() { written } else { 0 }
     }
 }
 

@@ -14,9 +14,9 @@ pub use ledger::Ledger;
 pub use memo::Memo;
 pub use visit::Visit;
 
+use crate::ordered::InOrder;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Episode, Gather, Problem, Space, StateOf, ViewOf};
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use visit::{Kind, Looks};
@@ -103,7 +103,7 @@ where
 {
     // Few episodes are long ones. How they are cut must not depend on the threads, because sums do depend on it.
     let shards: Vec<&[usize]> = episodes.chunks((episodes.len() / SHARD).clamp(1, SHARD)).collect();
-    let done = Mutex::new(InOrder::default());
+    let done = Mutex::new(Gathered::default());
     spread(shards.len(), &|take| {
         let mut worker = Worker::new(problem);
         let mut memory = M::default();
@@ -118,25 +118,23 @@ where
         }
     });
     let done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-    (done.gathered, done.ledger)
+    (done.all, done.ledger)
 }
 
-/// What shards gathered, put together in their order as far as they are there: the others wait.
+/// What shards gathered, put together in their order.
 #[derive(Default)]
-struct InOrder<G> {
-    gathered: G,
+struct Gathered<G> {
+    all: G,
     ledger: Ledger,
-    next: usize,
-    waiting: BTreeMap<usize, (G, Ledger)>,
+    shards: InOrder<(G, Ledger)>,
 }
 
-impl<G: Gather> InOrder<G> {
+impl<G: Gather> Gathered<G> {
     fn put(&mut self, shard: usize, gathered: G, bill: Ledger) {
-        self.waiting.insert(shard, (gathered, bill));
-        while let Some((gathered, bill)) = self.waiting.remove(&self.next) {
-            self.gathered.absorb(gathered);
+        self.shards.put(shard, (gathered, bill));
+        while let Some((gathered, bill)) = self.shards.next() {
+            self.all.absorb(gathered);
             self.ledger += bill;
-            self.next += 1;
         }
     }
 }
