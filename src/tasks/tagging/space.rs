@@ -376,12 +376,12 @@ impl Expert<Tagging> for Gold {
         if space.transitions.allows(state.previous(), gold, state.left) {
             return Some(Action(gold));
         }
-        let legal = space.legal(state);
         let detour = |a: Action| space.detour(state, a.0);
-        let kin = |a: Action| space.transitions.kin(a.0, gold);
+        let legal = |a: Action| space.transitions.allows(state.previous(), a.0, state.left);
+        let kin = space.transitions.kin(gold);
         // Mostly one of the right label's type leads straight back.
-        let straight = legal.iter().find(|a| kin(*a) && detour(*a) == 0);
-        straight.or_else(|| legal.iter().min_by_key(|a| (detour(*a), !kin(*a), a.0)))
+        let straight = kin.iter().copied().find(|a| legal(*a) && detour(*a) == 0);
+        straight.or_else(|| space.legal(state).iter().min_by_key(|a| (detour(*a), !kin.contains(a), a.0)))
     }
 
     fn foresee(&self, space: &Tagging, state: &Position, costs: &mut Vec<f64>) -> Option<u64> {

@@ -33,8 +33,8 @@ pub struct Transitions {
     labels: usize,
     /// What the order says, where there is one: inside a sentence, and for its last token.
     rows: Option<[Rows; 2]>,
-    /// The span type of each label; labels of one type are kin.
-    kinds: Vec<u32>,
+    /// For each label those of its span type, itself among them.
+    kin: Vec<Box<[Action]>>,
 }
 
 /// What may follow each label, in the order of their numbers, and last what may start a sentence.
@@ -74,10 +74,9 @@ fn goes_on(prefix: &str) -> bool {
 impl Transitions {
     /// The transitions between labels of these names.
     pub fn new(order: Order, names: &[String]) -> Self {
-        let kinds = names
-            .iter()
-            .map(|name| names.iter().position(|other| split(other).1 == split(name).1).unwrap_or(0) as u32)
-            .collect();
+        let alike = |a: &String, b: &String| split(a).1 == split(b).1;
+        let kin =
+            |name: &String| (0..).zip(names).filter(|(_, other)| alike(name, other)).map(|(y, _)| Action(y)).collect();
         let closes = |name: &String, kind: &str| matches!(split(name), ("L" | "E", k) if k == kind);
         // The type of the span that is open after a label. In BILOU none is opened that could not be closed again.
         let open = |name: &str| {
@@ -105,7 +104,7 @@ impl Transitions {
             let last = table(true, Some(&inside));
             [inside, last]
         });
-        Transitions { order, labels: names.len(), rows, kinds }
+        Transitions { order, labels: names.len(), rows, kin: names.iter().map(kin).collect() }
     }
 
     /// The same labels without any order.
@@ -171,9 +170,9 @@ impl Transitions {
         (0..=self.begin()).all(|previous| (1..=2).all(|left| !self.after(previous, left).is_empty()))
     }
 
-    /// Whether two labels differ in nothing but their prefix.
-    pub fn kin(&self, a: u32, b: u32) -> bool {
-        self.kinds[a as usize] == self.kinds[b as usize]
+    /// The labels that differ from this one in nothing but their prefix, in ascending order, itself among them.
+    pub fn kin(&self, label: u32) -> &[Action] {
+        &self.kin[label as usize]
     }
 }
 
@@ -202,7 +201,7 @@ mod tests {
             assert_eq!(follow(&transitions, &names, left), [np, vp, np, vp, out, out]);
         }
         assert!(transitions.go_on());
-        assert!(transitions.kin(0, 2) && !transitions.kin(0, 1));
+        assert_eq!(transitions.kin(2), [Action(0), Action(2)]);
     }
 
     #[test]
