@@ -61,6 +61,7 @@ impl Linear {
             return None;
         }
         let mut weights = Weights::new(first.weights.features(), first.weights.columns());
+        weights.reserve_all();
         for (share, member) in members {
             let member = member.borrow();
             for feature in 0..member.weights.features() as u32 {
