@@ -263,7 +263,8 @@ class Sitting:
     def generated(self, tokens, name):
         """A generated corpus of about so many tokens; returns how many there are."""
         path = self.path(name)
-        command = [self.rollin, "generate", "--count", str(tokens // 10), "--seed", "7"]
+        # The grammar's sentences have 19 tokens in the mean.
+        command = [self.rollin, "generate", "--count", str(tokens // 19), "--seed", "7"]
         run([*command, "--grammar", os.path.join(ROOT, "grammars", "dialects.grammar")], stdout=path)
         with open(path, "rb") as lines:
             return sum(1 for line in lines if line.strip())
@@ -354,6 +355,7 @@ def part_rollout(sitting):
     lols = ["--algorithm", "lols-online", "--rounds", "3", "--learner", "hinge"]
     ours = {"LOLS online": [*lols, *CHAIN],
             "SEARN online": ["--algorithm", "searn-online", *searn, *CHAIN],
+            "SEARN online, beta 0.1": ["--algorithm", "searn-online", *searn, *CHAIN, "--beta", "0.1"],
             "SEARN": ["--algorithm", "searn", "--passes", "1", *searn, *CHAIN],
             "LOLS online, more of the labels before": lols,
             "SEARN online, more of the labels before": ["--algorithm", "searn-online", *searn]}

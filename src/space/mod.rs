@@ -99,6 +99,13 @@ pub trait Space: Sync {
         None
     }
 
+    /// Whether the space is a trellis: whether at the same step of the same episode, under the same randomness, an action costs the same in all states in which it is legal and leads to
+    /// states of the same signature, and of the states of a step all are over or none. Roll-outs then know where an action leads that was taken at that step before. `false` is always
+    /// right.
+    fn is_trellis(&self) -> bool {
+        false
+    }
+
     /// What all views of this space share, such as the static features of a corpus.
     fn shared(&self) -> &<Self::View as View>::Shared;
 }

@@ -2,6 +2,7 @@
 
 use super::Ledger;
 use crate::seed::Seed;
+use crate::space::Action;
 
 /// What roll-outs with the same randomness and the same policy found out about the states they passed: states of the same step and
 /// the same [`signature`](crate::space::Space::signature) have the same future, so it need not be run twice.
@@ -179,13 +180,33 @@ impl Arrivals<'_> {
     pub(super) fn come_to(&mut self, signature: Option<u64>) -> (u32, bool) {
         let number = self.rests.len() as u32;
         if let Some(signature) = signature {
-            if let Some(known) = self.table.find_or_keep(State { signature, era: self.era, number }) {
+            if let Some(known) = self.table.find_or_keep(State { signature, era: self.era, number, cost: 0.0 }) {
                 return (known, false);
             }
             *self.found = self.rests.len() + 1;
         }
         self.rests.push(Rest::default());
         (number, true)
+    }
+
+    /// What `action` costs and the number of the state that it leads to, if it was taken before: in a [trellis](crate::space::Space::is_trellis).
+    #[inline(always)]
+    pub(super) fn led_to(&self, action: Action) -> Option<(f64, u32)> {
+        let state = self.table.places.get(action.index()).filter(|state| state.era == self.era)?;
+        Some((state.cost, state.number))
+    }
+
+    /// The number of the state that `action`, which costs `cost`, leads to for the first time: in a trellis.
+    #[inline(always)]
+    pub(super) fn lead_to(&mut self, action: Action, cost: f64) -> u32 {
+        let (number, signature) = (self.rests.len() as u32, u64::from(action.0));
+        if self.table.places.len() <= action.index() {
+            self.table.places.resize((action.index() + 1).next_power_of_two(), State::default());
+        }
+        self.table.places[action.index()] = State { signature, era: self.era, number, cost };
+        self.rests.push(Rest::default());
+        *self.found = self.rests.len();
+        number
     }
 
     /// Writes down that a step which costs `cost` leads from the state of this number, of the step before, to the `next`, and what else was billed for it.
@@ -224,6 +245,8 @@ struct State {
     signature: u64,
     era: u32,
     number: u32,
+    /// In a trellis, what the action costs that leads there.
+    cost: f64,
 }
 
 /// Places of the smallest table.

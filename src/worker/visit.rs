@@ -1,7 +1,7 @@
 //! One visit to one state.
 
 use super::Ledger;
-use super::memo::{Billed, Memo, Standing};
+use super::memo::{Arrivals, Billed, Memo, Standing};
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
 use crate::space::{Action, Actions, CostToGo, Expert, Front, Problem, SharedOf, Sight, Space, StateOf, View, ViewOf};
@@ -308,27 +308,55 @@ impl<'v, P: Problem> Visit<'v, P> {
         self.roll_all_out(run, memo, By(policy, memory))
     }
 
-    fn roll_all_out<'m>(&mut self, run: Seed, memo: &'m mut Memo<StateOf<P>>, mut drive: impl Drive<P>) -> &'m [f64]
+    fn roll_all_out<'m>(&mut self, run: Seed, memo: &'m mut Memo<StateOf<P>>, drive: impl Drive<P>) -> &'m [f64]
+    where
+        StateOf<P>: Clone,
+    {
+        memo.belong_to(run);
+        self.looked = false;
+        let mark = memo.mark();
+        match self.problem.space().is_trellis() {
+            true => self.pass::<true>(run, memo, drive),
+            false => self.pass::<false>(run, memo, drive),
+        }
+        memo.settle(mark);
+        *self.ledger += memo.sum_up();
+        let tried = memo.tried.len() as u64;
+        self.ledger.rollouts += tried;
+        self.ledger.resets += tried;
+        self.ledger.steps += tried;
+        memo.trim(mark);
+        &memo.costs
+    }
+
+    /// Takes every legal action and goes on from all states that are new, step by step, until none is.
+    fn pass<const TRELLIS: bool>(&mut self, run: Seed, memo: &mut Memo<StateOf<P>>, mut drive: impl Drive<P>)
     where
         StateOf<P>: Clone,
     {
         let (problem, space) = (self.problem, self.problem.space());
-        memo.belong_to(run);
-        self.looked = false;
-        let mark = memo.mark();
         let (mut front, mut tried) = (std::mem::take(&mut memo.front), std::mem::take(&mut memo.tried));
         let (mut t, seed) = (self.t + 1, run.child(Purpose::Step, self.t as u64));
+        let arrive = |arrivals: &mut Arrivals<'_>, state: &StateOf<P>, action, cost| match TRELLIS {
+            true => (arrivals.lead_to(action, cost), true),
+            false => arrivals.come_to(space.signature(state)),
+        };
         let mut arrivals = memo.arrivals(t);
         tried.clear();
-        tried.extend(self.legal.iter().map(|action| {
+        for action in self.legal.iter() {
+            if TRELLIS && let Some(known) = arrivals.led_to(action) {
+                tried.push(known);
+                continue;
+            }
             let mut state = self.state.clone();
             let cost = space.step(&mut state, action, seed);
-            let (number, new) = arrivals.come_to(space.signature(&state));
-            if new && !space.legal(&state).is_empty() {
+            let (number, new) = arrive(&mut arrivals, &state, action, cost);
+            // All states of a trellis' step are over or none is.
+            if new && (TRELLIS && !front.is_empty() || !space.legal(&state).is_empty()) {
                 front.push(Standing { state, number, spent: cost });
             }
-            (cost, number)
-        }));
+            tried.push((cost, number));
+        }
         while !front.is_empty() {
             let seed = run.child(Purpose::Step, t as u64);
             let (experts, answers) = (drive.leaves_to_expert(seed), seed.child(Purpose::Expert, 0));
@@ -354,8 +382,12 @@ impl<'v, P: Problem> Visit<'v, P> {
                             })
                         }
                     };
+                    if TRELLIS && let Some((cost, next)) = arrivals.led_to(action) {
+                        arrivals.go_on(*number, cost, next, billed);
+                        continue;
+                    }
                     let cost = space.step(state, action, seed);
-                    let (next, new) = arrivals.come_to(space.signature(state));
+                    let (next, new) = arrive(&mut arrivals, state, action, cost);
                     arrivals.go_on(*number, cost, next, billed);
                     (*number, *spent) = (next, *spent + cost);
                     if new && !space.legal(state).is_empty() {
@@ -368,13 +400,5 @@ impl<'v, P: Problem> Visit<'v, P> {
             t += 1;
         }
         (memo.front, memo.tried) = (front, tried);
-        memo.settle(mark);
-        *self.ledger += memo.sum_up();
-        let tried = memo.tried.len() as u64;
-        self.ledger.rollouts += tried;
-        self.ledger.resets += tried;
-        self.ledger.steps += tried;
-        memo.trim(mark);
-        &memo.costs
     }
 }

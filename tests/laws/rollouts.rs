@@ -114,6 +114,7 @@ proptest! {
         number: u64,
     ) {
         let problem = if deep { deep_problem(&sentences) } else { problem(&sentences) };
+        prop_assert_eq!(problem.space.is_trellis(), !deep);
         let grown = mixture(&problem, &rates);
         let mixture = if drop_expert { grown.without_expert() } else { grown };
         let all_costs = |how: How| {
@@ -139,6 +140,33 @@ proptest! {
         let naive = all_costs(How::Naive);
         prop_assert_eq!(&all_costs(How::Asking), &naive);
         prop_assert_eq!(&all_costs(How::Together), &naive);
+    }
+
+    /// Where the label before is all that is looked at, a label costs the same and leads to the same whatever stands before it.
+    #[test]
+    fn a_trellis_is_one(sentences in any_corpora(6, 9), turns in prop::collection::vec(prop::array::uniform2(0..1000usize), 9)) {
+        let Imitation { space, .. } = problem(&sentences);
+        for index in 0..space.sentences() {
+            let mut states = [0, 1].map(|_| space.start(Episode { index, seed: Seed::new(1) }));
+            for turn in &turns {
+                let [one, other] = states.each_ref().map(|state| space.legal(state));
+                prop_assert_eq!(one.is_empty(), other.is_empty());
+                if one.is_empty() {
+                    break;
+                }
+                for action in one.iter().filter(|action| other.contains(*action)) {
+                    let [led, also] = states.each_ref().map(|state| {
+                        let mut state = state.clone();
+                        (space.step(&mut state, action, Seed::new(2)), space.signature(&state))
+                    });
+                    prop_assert_eq!(led, also);
+                }
+                let taken = [one.nth(turn[0] % one.len()), other.nth(turn[1] % other.len())];
+                for (state, action) in states.iter_mut().zip(taken) {
+                    space.step(state, action, Seed::new(3));
+                }
+            }
+        }
     }
 
     /// At every state of every roll-in, for every action: the same cost as the simulation, step by step, with the

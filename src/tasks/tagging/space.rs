@@ -358,6 +358,10 @@ impl Space for Tagging {
         Some(state.history as u64 & u64::MAX >> (64 - 16 * self.far?))
     }
 
+    fn is_trellis(&self) -> bool {
+        self.far == Some(1)
+    }
+
     fn shared(&self) -> &FeatureTable {
         &self.table
     }
