@@ -169,15 +169,16 @@ impl<C> Mixture<C> {
 }
 
 impl<C> Mixture<C> {
-    /// The member that acts at the step of this seed. Roll-outs that are compared come to it one after the other, and draw the same.
+    /// The member that acts at the step of this seed.
     fn drawn<M>(&self, seed: Seed, memory: &mut MixtureMemory<M>) -> Member {
-        let member = match memory.drawn {
-            Some((last, member)) if last == seed => member,
-            _ if self.members.len() == 1 && self.expert == 0.0 => self.draw(0.0),
-            _ => self.draw(seed.child(Purpose::Member, 0).unit()),
-        };
-        memory.drawn = Some((seed, member));
-        member
+        if self.members.len() == 1 && self.expert == 0.0 {
+            return self.draw(0.0);
+        }
+        let place = &mut memory.units[seed.number() as usize % UNITS];
+        self.draw(match place {
+            Some((known, unit)) if *known == seed => *unit,
+            _ => place.insert((seed, seed.child(Purpose::Member, 0).unit())).1,
+        })
     }
 
     /// What `member` does at `visit`.
@@ -234,9 +235,12 @@ impl<C> Mixture<C> {
 pub struct MixtureMemory<M> {
     members: Vec<M>,
     sums: Vec<f32>,
-    /// The member that was drawn last, at which step of which run.
-    drawn: Option<(Seed, Member)>,
+    /// What members are drawn by, at steps not long ago: roll-outs that are compared come to them one after the other, and so do those from the next states.
+    units: [Option<(Seed, f64)>; UNITS],
 }
+
+/// How many steps' numbers a thread remembers.
+const UNITS: usize = 32;
 
 impl<P: Problem, C: Classifier<ViewOf<P>>> Policy<P> for Mixture<C> {
     type Memory = MixtureMemory<C::Memory>;

@@ -114,21 +114,25 @@ where
         costs: &mut Vec<f64>,
     ) {
         let Actor { policy, memory, memo } = actor;
+        let samples = self.samples as f64;
         if policy.is_expert() && (0..self.samples).all(|_| visit.foresee(costs)) {
-            // All samples are alike, but their mean is that of the sum all the same.
-            let mean = |cost: f64| std::iter::repeat_n(cost, self.samples).sum::<f64>() / self.samples as f64;
-            costs.iter_mut().for_each(|cost| *cost = mean(*cost));
+            if self.samples != 1 {
+                // All samples are alike, but their mean is that of the sum all the same.
+                let mean = |cost: f64| std::iter::repeat_n(cost, self.samples).sum::<f64>() / samples;
+                costs.iter_mut().for_each(|cost| *cost = mean(*cost));
+            }
             return;
         }
         memo.resize_with(self.samples, Memo::default);
         costs.clear();
         costs.resize(visit.legal().len(), 0.0);
         for (k, memo) in memo.iter_mut().enumerate() {
-            let run = run.child(Purpose::RollOut, k as u64);
-            let sample = visit.roll_outs_by(run, memo, policy, memory);
+            let sample = visit.roll_outs_by(run.child(Purpose::RollOut, k as u64), memo, policy, memory);
             costs.iter_mut().zip(sample).for_each(|(total, cost)| *total += cost);
         }
-        costs.iter_mut().for_each(|total| *total /= self.samples as f64);
+        if self.samples != 1 {
+            costs.iter_mut().for_each(|total| *total /= samples);
+        }
     }
 }
 
