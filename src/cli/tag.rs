@@ -39,7 +39,7 @@ pub struct Tag {
 }
 
 /// Lines of a block, which one thread tags at a time.
-const BLOCK: usize = 16_384;
+const BLOCK: usize = 65_536;
 
 /// In which form a block is answered.
 #[derive(Clone, Copy, PartialEq, Eq)]
