@@ -144,18 +144,13 @@ impl<V: View> Gather for Examples<V> {
 }
 
 /// Lists of costs, one after the other. Many states have the same: one that was kept not long ago is not kept again.
+#[derive(Default)]
 struct Costs {
     all: Vec<f32>,
     /// Where a list of this hash was kept last: a guess that is always checked.
-    guesses: [usize; 256],
+    guesses: Vec<usize>,
     /// Whether the last that was asked for may be that of others, too.
     shared: bool,
-}
-
-impl Default for Costs {
-    fn default() -> Self {
-        Costs { all: Vec::new(), guesses: [0; 256], shared: false }
-    }
 }
 
 impl Costs {
@@ -163,6 +158,7 @@ impl Costs {
     fn keep(&mut self, costs: &[f32]) -> usize {
         let (_, sums) = costs.iter().fold((0.0, 0.0), |(sum, sums): (f32, f32), cost| (sum + cost, sums + sum));
         let hash = u64::from(sums.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.guesses.resize(256, 0);
         let guess = &mut self.guesses[(hash >> 56) as usize];
         let same = |known: &[f32]| known.iter().zip(costs).all(|(a, b)| a.to_bits() == b.to_bits());
         self.shared = self.all.get(*guess..*guess + costs.len()).is_some_and(same);
