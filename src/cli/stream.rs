@@ -8,6 +8,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Gives what `next` reads to `answer`, on all threads, and the answers to `write`, in the order of what was read. One thread reads at a time, and few blocks are
 /// held at a time, however long the stream is.
 ///
+/// `next` and `write` run under locks: they must not share out work among the threads themselves, one of which could come back for the same lock.
+///
 /// # Errors
 /// The first in that order, of any of the three. What comes before it is written.
 pub fn answered<B: Send, A: Send>(
