@@ -2,6 +2,7 @@
 
 use crate::space::{Action, Actions};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
 /// A rule about the order of labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,8 +34,10 @@ pub struct Transitions {
     labels: usize,
     /// What the order says, where there is one: inside a sentence, and for its last token.
     rows: Option<[Rows; 2]>,
-    /// For each label those of its span type, itself among them.
-    kin: Vec<Box<[Action]>>,
+    /// The span type of each label; labels of one type are kin.
+    kinds: Vec<u32>,
+    /// The labels of each type, in ascending order.
+    kin: Vec<Vec<Action>>,
 }
 
 /// What may follow each label, in the order of their numbers, and last what may start a sentence.
@@ -74,9 +77,13 @@ fn goes_on(prefix: &str) -> bool {
 impl Transitions {
     /// The transitions between labels of these names.
     pub fn new(order: Order, names: &[String]) -> Self {
-        let alike = |a: &String, b: &String| split(a).1 == split(b).1;
-        let kin =
-            |name: &String| (0..).zip(names).filter(|(_, other)| alike(name, other)).map(|(y, _)| Action(y)).collect();
+        let (mut numbers, mut kinds, mut kin) = (HashMap::new(), Vec::new(), Vec::new());
+        for (label, name) in (0..).zip(names) {
+            let kind = *numbers.entry(split(name).1).or_insert(kin.len());
+            kin.resize(kin.len().max(kind + 1), Vec::new());
+            kin[kind].push(Action(label));
+            kinds.push(kind as u32);
+        }
         let closes = |name: &String, kind: &str| matches!(split(name), ("L" | "E", k) if k == kind);
         // The type of the span that is open after a label. In BILOU none is opened that could not be closed again.
         let open = |name: &str| {
@@ -104,7 +111,7 @@ impl Transitions {
             let last = table(true, Some(&inside));
             [inside, last]
         });
-        Transitions { order, labels: names.len(), rows, kin: names.iter().map(kin).collect() }
+        Transitions { order, labels: names.len(), rows, kinds, kin }
     }
 
     /// The same labels without any order.
@@ -170,9 +177,14 @@ impl Transitions {
         (0..=self.begin()).all(|previous| (1..=2).all(|left| !self.after(previous, left).is_empty()))
     }
 
-    /// The labels that differ from this one in nothing but their prefix, in ascending order, itself among them.
+    /// Whether two labels differ in nothing but their prefix.
+    pub fn are_kin(&self, a: u32, b: u32) -> bool {
+        self.kinds[a as usize] == self.kinds[b as usize]
+    }
+
+    /// The labels of which that is so with this one, in ascending order, itself among them.
     pub fn kin(&self, label: u32) -> &[Action] {
-        &self.kin[label as usize]
+        &self.kin[self.kinds[label as usize] as usize]
     }
 }
 
@@ -201,6 +213,7 @@ mod tests {
             assert_eq!(follow(&transitions, &names, left), [np, vp, np, vp, out, out]);
         }
         assert!(transitions.go_on());
+        assert!(transitions.are_kin(0, 2) && !transitions.are_kin(0, 1));
         assert_eq!(transitions.kin(2), [Action(0), Action(2)]);
     }
 
