@@ -382,9 +382,9 @@ impl Expert<Tagging> for Gold {
         }
         let detour = |a: Action| space.detour(state, a.0);
         let legal = |a: Action| space.transitions.allows(state.previous(), a.0, state.left);
-        let foreign = |a: Action| !space.transitions.are_kin(a.0, gold);
+        let foreign = |a: Action| !space.transitions.kin(a.0, gold);
         // Mostly one of the right label's type leads straight back.
-        let straight = space.transitions.kin(gold).iter().copied().find(|a| legal(*a) && detour(*a) == 0);
+        let straight = space.transitions.alike(gold).iter().copied().find(|a| legal(*a) && detour(*a) == 0);
         straight.or_else(|| space.legal(state).iter().min_by_key(|a| (detour(*a), foreign(*a), a.0)))
     }
 

@@ -37,7 +37,7 @@ pub struct Transitions {
     /// The span type of each label; labels of one type are kin.
     kinds: Vec<u32>,
     /// The labels of each type, in ascending order.
-    kin: Vec<Vec<Action>>,
+    alike: Vec<Vec<Action>>,
 }
 
 /// What may follow each label, in the order of their numbers, and last what may start a sentence.
@@ -77,11 +77,11 @@ fn goes_on(prefix: &str) -> bool {
 impl Transitions {
     /// The transitions between labels of these names.
     pub fn new(order: Order, names: &[String]) -> Self {
-        let (mut numbers, mut kinds, mut kin) = (HashMap::new(), Vec::new(), Vec::new());
+        let (mut numbers, mut kinds, mut alike) = (HashMap::new(), Vec::new(), Vec::new());
         for (label, name) in (0..).zip(names) {
-            let kind = *numbers.entry(split(name).1).or_insert(kin.len());
-            kin.resize(kin.len().max(kind + 1), Vec::new());
-            kin[kind].push(Action(label));
+            let kind = *numbers.entry(split(name).1).or_insert(alike.len());
+            alike.resize(alike.len().max(kind + 1), Vec::new());
+            alike[kind].push(Action(label));
             kinds.push(kind as u32);
         }
         let closes = |name: &String, kind: &str| matches!(split(name), ("L" | "E", k) if k == kind);
@@ -111,7 +111,7 @@ impl Transitions {
             let last = table(true, Some(&inside));
             [inside, last]
         });
-        Transitions { order, labels: names.len(), rows, kinds, kin }
+        Transitions { order, labels: names.len(), rows, kinds, alike }
     }
 
     /// The same labels without any order.
@@ -178,13 +178,13 @@ impl Transitions {
     }
 
     /// Whether two labels differ in nothing but their prefix.
-    pub fn are_kin(&self, a: u32, b: u32) -> bool {
+    pub fn kin(&self, a: u32, b: u32) -> bool {
         self.kinds[a as usize] == self.kinds[b as usize]
     }
 
     /// The labels of which that is so with this one, in ascending order, itself among them.
-    pub fn kin(&self, label: u32) -> &[Action] {
-        &self.kin[self.kinds[label as usize] as usize]
+    pub(super) fn alike(&self, label: u32) -> &[Action] {
+        &self.alike[self.kinds[label as usize] as usize]
     }
 }
 
@@ -213,8 +213,8 @@ mod tests {
             assert_eq!(follow(&transitions, &names, left), [np, vp, np, vp, out, out]);
         }
         assert!(transitions.go_on());
-        assert!(transitions.are_kin(0, 2) && !transitions.are_kin(0, 1));
-        assert_eq!(transitions.kin(2), [Action(0), Action(2)]);
+        assert!(transitions.kin(0, 2) && !transitions.kin(0, 1));
+        assert_eq!(transitions.alike(2), [Action(0), Action(2)]);
     }
 
     #[test]
