@@ -107,6 +107,7 @@ where
     spread(shards.len(), &|take| {
         let mut worker = Worker::new(problem);
         let mut memory = M::default();
+        let mut ready = Vec::new();
         while let Some(shard) = take() {
             worker.ledger = Ledger::default();
             let mut gathered = G::default();
@@ -114,8 +115,13 @@ where
                 let episode = Episode { index, seed: seed.child(Purpose::Episode, index as u64) };
                 run(&mut worker, &mut memory, episode, &mut gathered);
             }
-            done.lock().unwrap_or_else(PoisonError::into_inner).put(shard, gathered, worker.ledger);
+            ready.push((shard, gathered, worker.ledger));
+            // Nobody waits for another that puts things together: what is ready now is handed over with what is ready next.
+            if let Ok(mut done) = done.try_lock() {
+                done.put(&mut ready);
+            }
         }
+        done.lock().unwrap_or_else(PoisonError::into_inner).put(&mut ready);
     });
     let done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
     (done.all, done.ledger)
@@ -130,8 +136,8 @@ struct Gathered<G> {
 }
 
 impl<G: Gather> Gathered<G> {
-    fn put(&mut self, shard: usize, gathered: G, bill: Ledger) {
-        self.shards.put(shard, (gathered, bill));
+    fn put(&mut self, ready: &mut Vec<(usize, G, Ledger)>) {
+        ready.drain(..).for_each(|(shard, gathered, bill)| self.shards.put(shard, (gathered, bill)));
         while let Some((gathered, bill)) = self.shards.next() {
             self.all.absorb(gathered);
             self.ledger += bill;
