@@ -249,6 +249,7 @@ fn rolls(c: &mut Criterion, bench: &Bench) {
     group.bench_function("out, every action, naive", |b| b.iter(naive));
     group.finish();
     threads("roll-ins", || roll_in().1);
+    // What takes ten milliseconds may be over before the system has given each thread a core.
     let rounds = episodes.repeat(8);
     threads("roll-ins of eight rounds", || roll::labels(problem, policy, &rounds, Seed::new(1)).1);
     threads("roll-outs", || memo().1);

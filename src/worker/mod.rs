@@ -136,6 +136,7 @@ struct Gathered<G> {
 }
 
 impl<G: Gather> Gathered<G> {
+    /// Takes these shards with their numbers, and puts together what is next in order.
     fn put(&mut self, ready: &mut Vec<(usize, G, Ledger)>) {
         ready.drain(..).for_each(|(shard, gathered, bill)| self.shards.put(shard, (gathered, bill)));
         while let Some((gathered, bill)) = self.shards.next() {
