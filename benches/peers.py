@@ -164,7 +164,7 @@ start += cpu() - used
 
 
 def run(command, stdin=None, stdout=None):
-    """One run of a process: CPU seconds, seconds by the clock, peak MiB."""
+    """One run of a process: CPU seconds, those of the system among them, seconds by the clock, peak MiB."""
     with open(stdin or os.devnull, "rb") as source, open(stdout or os.devnull, "wb") as target:
         begin = time.perf_counter()
         process = subprocess.Popen(command, stdin=source, stdout=target, stderr=subprocess.DEVNULL)
@@ -172,7 +172,8 @@ def run(command, stdin=None, stdout=None):
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             sys.exit(f"failed with {process.returncode}: {' '.join(command)}")
-        return dict(cpu=used.ru_utime + used.ru_stime, wall=time.perf_counter() - begin, rss=used.ru_maxrss / 1024)
+        wall = time.perf_counter() - begin
+        return dict(cpu=used.ru_utime + used.ru_stime, system=used.ru_stime, wall=wall, rss=used.ru_maxrss / 1024)
 
 
 def run_peer(script, *arguments):
@@ -418,14 +419,14 @@ def part_threads(sitting):
 
 def part_growth(sitting):
     table = Table("Growth with generated text")
-    table.head("tokens", "training, CPU us/token", "training, bytes/token", "tagging, CPU us/token", "tagging, peak MiB")
+    table.head("tokens", "training, CPU us/token", "of it the system's", "training, bytes/token", "tagging, CPU us/token", "tagging, peak MiB")
     template = os.path.join(ROOT, "grammars", "words.template")
     for millions in (1, 10):
         tokens = sitting.generated(millions * 1_000_000, "grown.txt")
         command = sitting.train("grown.model", "--rounds", "1", "--template", template, data=sitting.path("grown.txt"))
         tag = [sitting.rollin, "tag", "--model", sitting.path("grown.model"), "--threads", "1"]
         results = in_turn(max(1, sitting.options.runs // 2), {"train": lambda: run(command), "tag": lambda: run(tag, sitting.path("grown.txt"))})
-        table.row(f"{tokens:,}", 1e6 * median(results["train"], "cpu") / tokens, f"{2**20 * median(results['train'], 'rss') / tokens:.0f}",
+        table.row(f"{tokens:,}", 1e6 * median(results["train"], "cpu") / tokens, 1e6 * median(results["train"], "system") / tokens, f"{2**20 * median(results['train'], 'rss') / tokens:.0f}",
                   1e6 * median(results["tag"], "cpu") / tokens, f"{median(results['tag'], 'rss'):.0f}")
         os.remove(sitting.path("grown.txt"))
 
