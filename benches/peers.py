@@ -426,8 +426,12 @@ def part_growth(sitting):
         command = sitting.train("grown.model", "--rounds", "1", "--template", template, data=sitting.path("grown.txt"))
         tag = [sitting.rollin, "tag", "--model", sitting.path("grown.model"), "--threads", "1"]
         results = in_turn(max(1, sitting.options.runs // 2), {"train": lambda: run(command), "tag": lambda: run(tag, sitting.path("grown.txt"))})
-        table.row(f"{tokens:,}", 1e6 * median(results["train"], "cpu") / tokens, 1e6 * median(results["train"], "system") / tokens, f"{2**20 * median(results['train'], 'rss') / tokens:.0f}",
-                  1e6 * median(results["tag"], "cpu") / tokens, f"{median(results['tag'], 'rss'):.0f}")
+
+        def per_token(job, what):
+            return 1e6 * median(results[job], what) / tokens
+
+        table.row(f"{tokens:,}", per_token("train", "cpu"), per_token("train", "system"), f"{2**20 * median(results['train'], 'rss') / tokens:.0f}",
+                  per_token("tag", "cpu"), f"{median(results['tag'], 'rss'):.0f}")
         os.remove(sitting.path("grown.txt"))
 
 
